@@ -1,0 +1,1 @@
+"""Benchmarks: rates and times of this machine, as ratios within one run."""

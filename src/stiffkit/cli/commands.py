@@ -1,0 +1,205 @@
+"""The commands. Heavy rooms are imported inside them, so that help appears at once."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from stiffkit import __version__
+from stiffkit.cli.arguments import RobotArgument, assignments, load_cases, tool_pose
+
+if TYPE_CHECKING:
+    from stiffkit.robot import Robot
+
+_robot = click.argument("robot", type=RobotArgument())
+_set = click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="Replace a parameter of the robot file, such as --set L1=900mm. Repeatable.",
+)
+
+
+def _load(robot: str, settings: tuple[str, ...]) -> Robot:
+    from stiffkit.robot import load_robot
+
+    return load_robot(robot, parameters=assignments(",".join(settings), "--set"))
+
+
+@click.group(
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    epilog="A first look:  stiffkit robots, then  stiffkit map biglide",
+)
+@click.version_option(__version__, "-V", "--version", prog_name="stiffkit")
+def main() -> None:
+    """Stiffness of parallel robots over their whole workspace.
+
+    ROBOT is a robot file (YAML) or the name of a robot in the catalogue.
+    """
+
+
+@main.command()
+def robots() -> None:
+    """List the robots of the catalogue.
+
+    Example:  stiffkit robots
+    """
+    from stiffkit.robot import list_robots, load_robot
+
+    names = list_robots()
+    width = max(len(name) for name in names)
+    for name in names:
+        click.echo(f"{name:<{width}}  {load_robot(name).title}")
+
+
+@main.command()
+@_robot
+@_set
+def check(robot: str, settings: tuple[str, ...]) -> None:
+    """Read a robot file, put the robot together and say what it is.
+
+    Bodies, loops, mobility (counted, and numeric at the home posture), degree of over-constraint,
+    free motions and warnings.
+
+    Example:  stiffkit check biglide
+    """
+    from stiffkit.cli.show import show_summary
+    from stiffkit.study import summarise
+
+    show_summary(summarise(_load(robot, settings)))
+
+
+@main.command()
+@_robot
+@click.option(
+    "--at",
+    multiple=True,
+    metavar="x=...,y=...",
+    help="Tool coordinates x, y, z and rotation vector rx, ry, rz; bare numbers are m and rad, "
+    "units as in x=497.5mm,rz=10deg. Those not given are the home posture's, or follow from the "
+    "mechanism.",
+)
+@click.option(
+    "--load",
+    multiple=True,
+    metavar="LOAD",
+    help="A load case of the file by name, or fx=...,fy=...,fz=...,mx=...,my=...,mz=... in N and "
+    "N m. Repeatable; without it, all load cases of the file.",
+)
+@click.option(
+    "--model",
+    type=click.Choice(["refined", "simplified"]),
+    default="refined",
+    show_default=True,
+    help="refined: links, joints and drives are elastic; simplified: drives only.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print JSON (SI units) instead of text.")
+@_set
+def pose(
+    robot: str,
+    at: tuple[str, ...],
+    load: tuple[str, ...],
+    model: str,
+    as_json: bool,
+    settings: tuple[str, ...],
+) -> None:
+    """Stiffness, compliance and deflections at one tool pose.
+
+    Example:  stiffkit pose biglide --at x=0.4975,y=0 --load fz=1000
+    """
+    from stiffkit.cli.show import show_pose
+    from stiffkit.study import analyse_pose
+
+    loaded = _load(robot, settings)
+    result = analyse_pose(
+        loaded,
+        tool_pose(at),
+        model="simplified" if model == "simplified" else "refined",
+        loads=load_cases(load, loaded),
+    )
+    if as_json:
+        click.echo(json.dumps(result.as_json(), indent=1, allow_nan=False))
+    else:
+        show_pose(result)
+
+
+@main.command(name="map")
+@_robot
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path, file_okay=True),
+    default=None,
+    help="Directory for the results; by default stiffkit-NAME here.",
+)
+@click.option(
+    "--points",
+    type=click.IntRange(min=1, max=100_000_000),
+    default=None,
+    help="About how many postures; by default what the robot file asks for, else a quick map.",
+)
+@_set
+def map_(robot: str, output: Path | None, points: int | None, settings: tuple[str, ...]) -> None:
+    """Stiffness over the whole workspace: dataset, figures and an interactive report.
+
+    Writes map.nc (or map.zarr if large), figures/ as SVG and PNG, and report.html, which needs no
+    network. Both models are computed.
+
+    Example:  stiffkit map biglide -o out/biglide --points 10000
+    """
+    from stiffkit.cli.show import progress
+    from stiffkit.study import Analysis, map_workspace, summarise, whole_directory, write_dataset
+
+    loaded = _load(robot, settings)
+    target = output or Path(f"stiffkit-{loaded.name}")
+    with whole_directory(target) as work, progress(sys.stderr.isatty()) as report:
+        analysis = Analysis(loaded)
+        summary = summarise(analysis)
+        dataset = map_workspace(analysis, points=points, progress=report)
+        report("writing the dataset", 1.0)
+        write_dataset(dataset, work)
+        report("drawing figures", 1.0)
+        from stiffkit.plots import write_figures
+        from stiffkit.report import write_report
+
+        figures = write_figures(dataset, work / "figures")
+        report("writing the report", 1.0)
+        write_report(dataset, summary.facts, work / "report.html", figures)
+    n = dataset["status"].isel(model=0).size
+    click.echo(f"{n} postures mapped, {len(figures)} figures and the dataset in {target}")
+    for warning in summary.warnings:
+        click.echo(f"note: {warning}")
+    click.echo(f"open {target / 'report.html'}")
+
+
+@main.command()
+def schema() -> None:
+    """Print the JSON Schema of robot files, for editors.
+
+    Example:  stiffkit schema > robot.schema.json
+    """
+    from importlib.resources import files
+
+    click.echo(
+        files("stiffkit.robot").joinpath("schema.json").read_text(encoding="utf-8"), nl=False
+    )
+
+
+@main.command()
+@click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]))
+def completion(shell: str) -> None:
+    """Print the script that completes commands, options and robots in a shell.
+
+    Example:  eval "$(stiffkit completion bash)"
+    """
+    from click.shell_completion import get_completion_class
+
+    kind = get_completion_class(shell)
+    if kind is None:
+        raise click.UsageError(f"no completion for {shell}")
+    click.echo(kind(main, {}, "stiffkit", "_STIFFKIT_COMPLETE").source())

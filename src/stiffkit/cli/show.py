@@ -1,0 +1,104 @@
+"""Results as text for a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+import click
+import numpy as np
+
+from stiffkit.robot import DIRECTIONS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from stiffkit.stiffness import PrincipalAxes
+    from stiffkit.study import PoseResult, Summary
+
+
+def heading(text: str) -> None:
+    """Print a heading."""
+    click.echo(click.style(text, bold=True))
+
+
+def show_summary(summary: Summary) -> None:
+    """Print the facts about a robot, and the warnings."""
+    width = max(len(name) for name, _ in summary.facts)
+    for name, value in summary.facts:
+        click.echo(f"{name:<{width}}  {value}")
+    for warning in summary.warnings:
+        click.echo(click.style("note: ", fg="yellow", bold=True) + warning)
+
+
+def show_pose(result: PoseResult) -> None:
+    """Print what is known of one posture."""
+    heading(f"{result.robot}, {result.model} model")
+    if result.reason:
+        click.echo(f"status      {result.status.word}: {result.reason}")
+    if np.isfinite(result.tool).all():
+        click.echo("tool        " + _values(DIRECTIONS, result.tool, "mm", "deg"))
+        for name, value in result.joints.items():
+            unit = "deg" if name.rpartition(".")[2].startswith("r") else "mm"
+            click.echo(f"  {name:<24} {value * _FACTOR[unit] + 0.0:>12.4f} {unit}")
+    if result.deflections:
+        heading("deflection of the tool, world axes")
+        click.echo(f"  {'load':<16}" + "".join(f"{d:>11}" for d in DIRECTIONS) + f"{'|xyz|':>11}")
+        click.echo(f"  {'':<16}" + f"{'um':>11}" * 3 + f"{'urad':>11}" * 3 + f"{'um':>11}")
+        for name, d in result.deflections.items():
+            cells = [*(1e6 * d), 1e6 * np.linalg.norm(d[:3])]
+            click.echo(f"  {name:<16}" + "".join(f"{x + 0.0:>11.4g}" for x in cells))
+    _show_axes("translational stiffness, N/um", result.translation, 1e-6)
+    _show_axes("rotational stiffness, N m/mrad", result.rotation, 1e-3)
+    if result.compliance is not None:
+        heading("compliance (m/N, 1/N; 1/N, rad/(N m)), world axes at the tool point")
+        _show_matrix(result.compliance)
+    if result.stiffness is not None:
+        heading("stiffness (N/m, N; N, N m/rad), world axes at the tool point")
+        _show_matrix(result.stiffness)
+    elif result.compliance is not None:
+        click.echo("stiffness   infinite in some directions: this model holds them rigidly")
+
+
+_FACTOR = {"mm": 1e3, "deg": 180.0 / np.pi}
+
+
+def _values(names: tuple[str, ...], values: NDArray[np.float64], length: str, angle: str) -> str:
+    words = []
+    for name, value in zip(names, values, strict=True):
+        unit = angle if name.startswith("r") else length
+        rounded = round(float(value * _FACTOR[unit]), 6) + 0.0
+        words.append(f"{name} {rounded:.6g} {unit}")
+    return ", ".join(words)
+
+
+def _show_axes(title: str, axes: PrincipalAxes | None, factor: float) -> None:
+    if axes is None:
+        return
+    heading(f"{title}, along its principal directions (weakest first)")
+    for value, direction in zip(axes.stiffness, axes.directions.T, strict=True):
+        words = ", ".join(f"{x + 0.0:6.3f}" for x in direction)
+        click.echo(f"  {factor * value:>12.5g}   ({words})")
+
+
+def _show_matrix(matrix: NDArray[np.float64]) -> None:
+    for row in matrix:
+        click.echo("  " + "".join(f"{x + 0.0:>13.4e}" for x in row))
+
+
+@contextmanager
+def progress(enabled: bool) -> Iterator[Callable[[str, float], None]]:
+    """Show a bar on a terminal, and nothing elsewhere."""
+    if not enabled:
+        yield lambda _what, _share: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (TextColumn("{task.description:<24}"), BarColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("starting", total=1.0)
+        yield lambda what, share: bar.update(task, description=what, completed=share)

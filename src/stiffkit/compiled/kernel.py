@@ -1,0 +1,84 @@
+"""What a posture kernel is: a plain function of scalars, and the constants it reads."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiffkit.smallmat import Matrix, Vector, from_lower_triangle
+
+Array = NDArray[np.float64]
+
+
+class Constants:
+    """The numbers of a robot that are the same in all postures, as one vector with named blocks.
+
+    They are inputs of a compiled kernel, so that a changed dimension does not compile again. Only
+    entries in which the topology shows are compiled in: zeros, and ones in rotation matrices.
+    """
+
+    def __init__(self) -> None:
+        """Start empty."""
+        self._blocks: dict[str, tuple[slice, tuple[int, ...]]] = {}
+        self._values: list[float] = []
+        self._compiled_in: list[bool] = []
+
+    def add(self, name: str, array: Array, *, rotation: bool = False) -> None:
+        """Append a block; ``rotation`` says that its ones belong to the topology too."""
+        start = len(self._values)
+        flat = np.asarray(array, dtype=float).ravel()
+        self._values += flat.tolist()
+        exact = (flat == 0.0) | (rotation & (np.abs(flat) == 1.0))
+        self._compiled_in += exact.tolist()
+        self._blocks[name] = (slice(start, len(self._values)), np.shape(array))
+
+    def add_symmetric(self, name: str, S: Array) -> None:
+        """Append the lower triangle of a symmetric matrix."""
+        self.add(name, S[np.tril_indices(S.shape[0])])
+
+    def extended(self, name: str, array: Array) -> Constants:
+        """Return a copy with one more block."""
+        copy = Constants()
+        copy._blocks = dict(self._blocks)
+        copy._values = list(self._values)
+        copy._compiled_in = list(self._compiled_in)
+        copy.add(name, array)
+        return copy
+
+    @property
+    def values(self) -> Array:
+        """All numbers, (m,)."""
+        return np.array(self._values)
+
+    @property
+    def pattern(self) -> tuple[float | None, ...]:
+        """The value of each entry that is compiled in, None for those that are inputs."""
+        return tuple(
+            value if exact else None
+            for value, exact in zip(self._values, self._compiled_in, strict=True)
+        )
+
+    def read(self, c: Vector, name: str) -> Matrix:
+        """Return a block out of the vector ``c`` that a kernel was given."""
+        where, shape = self._blocks[name]
+        return c[where].reshape(shape)
+
+    def read_symmetric(self, c: Vector, name: str) -> Matrix:
+        """Return a block that `add_symmetric` appended."""
+        return from_lower_triangle(self.read(c, name))
+
+
+@dataclass(frozen=True, eq=False)
+class Kernel:
+    """A computation for one posture, written once for floats, batches and traces."""
+
+    name: str
+    function: Callable[[Vector, Vector], Vector]
+    """Maps inputs (n,) and constants (m,) to outputs, all of them scalars."""
+    n_inputs: int
+    constants: Constants
+    topology: Hashable = field(repr=False)
+    """Whatever decides the outcome besides inputs and constants; equal topologies share code."""

@@ -1,0 +1,82 @@
+"""The errors that a user of stiffkit can meet.
+
+Each says what is wrong, where, and how to mend it. Commands print them and end with status 2.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+
+class StiffkitError(Exception):
+    """Anything that is wrong with what the user gave, and that the user can mend."""
+
+    def __init__(self, what: str, *, mend: str = "") -> None:
+        """Keep ``what`` is wrong and, if known, how to ``mend`` it."""
+        super().__init__(what)
+        self.what = what
+        self.mend = mend
+
+    def __str__(self) -> str:
+        """Return all parts in reading order."""
+        return f"{self.what}\n  mend: {self.mend}" if self.mend else self.what
+
+
+class FileError(StiffkitError):
+    """A file that cannot be read, or that says something wrong, with the place in it."""
+
+    def __init__(
+        self,
+        what: str,
+        *,
+        path: Path | str,
+        line: int | None = None,
+        key: str = "",
+        mend: str = "",
+    ) -> None:
+        """Keep the place: file, line (from 1) and the key's path, such as ``links.arm.beam``."""
+        super().__init__(what, mend=mend)
+        self.path = Path(path)
+        self.line = line
+        self.key = key
+
+    def __str__(self) -> str:
+        """Return ``file:line: key: what`` and the mend."""
+        place = str(self.path) if self.line is None else f"{self.path}:{self.line}"
+        key = f"{self.key}: " if self.key else ""
+        return f"{place}: {key}{super().__str__()}"
+
+
+class RobotFileError(FileError):
+    """A robot file that says something wrong."""
+
+    others: tuple[RobotFileError, ...] = ()
+    """Further errors in the same file that are independent of this one."""
+
+    def __str__(self) -> str:
+        """Return this error and the others, each on lines of its own."""
+        return "\n".join([super().__str__(), *map(str, self.others)])
+
+
+class UnitError(StiffkitError):
+    """A quantity that cannot be read, or that has the wrong dimension."""
+
+
+class ExpressionError(StiffkitError):
+    """An expression that cannot be read or evaluated."""
+
+
+class LinkError(StiffkitError):
+    """A link whose data no body can have."""
+
+
+class AssemblyError(StiffkitError):
+    """A mechanism that cannot be put together at its home posture."""
+
+
+class PoseError(StiffkitError):
+    """A tool pose or a load that was asked for and does not fit the robot."""
+
+
+class OutputError(StiffkitError):
+    """A result that cannot be written."""

@@ -1,0 +1,17 @@
+"""Loop closure, mobility and reach: the robot as rigid bodies."""
+
+from stiffkit.kinematics.closure import ClosureEquations
+from stiffkit.kinematics.locate import Located
+from stiffkit.kinematics.mobility import Mobility
+from stiffkit.kinematics.postures import Kinematics, Postures, Status
+from stiffkit.kinematics.tree import SpanningTree
+
+__all__ = [
+    "ClosureEquations",
+    "Kinematics",
+    "Located",
+    "Mobility",
+    "Postures",
+    "SpanningTree",
+    "Status",
+]

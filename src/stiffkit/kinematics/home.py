@@ -1,0 +1,220 @@
+"""Putting the mechanism together at its home posture."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from stiffkit.errors import AssemblyError
+from stiffkit.kinematics.closure import ClosureEquations
+from stiffkit.kinematics.coordinates import joint_coordinates
+from stiffkit.kinematics.numeric import NumericEquations, evaluate
+from stiffkit.kinematics.tracking import CLOSED
+from stiffkit.robot import DIRECTIONS, Joint
+from stiffkit.smallmat import as_objects
+from stiffkit.spatial import Frame, exp_rotation, log_rotation
+
+Array = NDArray[np.float64]
+
+_TRIES = 30
+"""Random starts after the one that the file gives."""
+
+_SPRINGS = (0.3, 0.03, 0.0)
+"""Stiffness of the springs that hold the unknowns, against residuals of order one."""
+
+_NEAR = 0.3
+"""Residual of a start from which no springs are needed."""
+
+
+def assemble(closure: ClosureEquations) -> Array:
+    """Return the unknowns (n,) of the home posture, the assembly nearest to what the file gives.
+
+    Raises AssemblyError, which names the loops that stay open, if there is none.
+    """
+    home = closure.tree.robot.home
+    asked = np.array([home.tool[d] for d in closure.asked])
+    guess, given = _guess(closure)
+    best: tuple[float, Array] | None = None
+    nearest_miss: tuple[float, Array] = (np.inf, guess)
+    rng = np.random.default_rng(0)
+    for attempt in range(1 + _TRIES):
+        start = guess if attempt == 0 else _random_start(closure, guess, given, rng)
+        unknowns, residual = _solve(closure, start, given, asked)
+        if residual > CLOSED or _flipped(closure, unknowns):
+            if residual < nearest_miss[0]:
+                nearest_miss = (residual, unknowns)
+            continue
+        distance = _distance_to_given(closure, unknowns)
+        if best is None or distance < best[0]:
+            best = (distance, unknowns)
+        # Without a hint at a chord joint the first assembly from the guess is the nearest one.
+        if distance < 0.5:
+            break
+    if best is None:
+        raise AssemblyError(
+            f"the mechanism cannot be put together at its home posture: "
+            f"{_gaps(closure, nearest_miss[1])}",
+            mend="check lengths and joint frames, or give rough joint coordinates under 'home'",
+        )
+    return best[1]
+
+
+def _guess(closure: ClosureEquations) -> tuple[Array, NDArray[np.bool_]]:
+    guess = np.zeros(closure.n_unknowns)
+    given = np.zeros(closure.n_unknowns, dtype=bool)
+    for tree_joint in closure.tree.joints:
+        hint = closure.tree.robot.home.joints.get(tree_joint.joint.name)
+        if hint is not None:
+            guess[tree_joint.coordinates] = hint
+            given[tree_joint.coordinates] = True
+    return guess, given
+
+
+def _random_start(
+    closure: ClosureEquations, guess: Array, given: NDArray[np.bool_], rng: np.random.Generator
+) -> Array:
+    spread = np.where(closure.translates, closure.length, np.pi)
+    free = rng.uniform(-1.0, 1.0, guess.shape) * spread
+    return np.where(given, guess + 0.1 * free, free)
+
+
+def _solve(
+    closure: ClosureEquations, start: Array, given: NDArray[np.bool_], asked: Array
+) -> tuple[Array, float]:
+    """Return the closed posture near a start, or the nearest miss, and its residual.
+
+    Springs hold the unknowns at the start while the loops are drawn together, those that the file
+    gives more than others, and are then let go; this finds a near assembly where Newton's method
+    from the start alone would jump.
+    """
+    scales = np.where(closure.translates, closure.length, 1.0)
+    if not evaluate(closure, start, asked).residuals.size:
+        return start, 0.0
+    unknowns = start
+    far = float(np.linalg.norm(evaluate(closure, start, asked).residuals)) > _NEAR
+    for spring in _SPRINGS if far else _SPRINGS[-1:]:
+        springs = np.where(given, 1.0, 0.1) * spring
+        unknowns = _least_squares(closure, unknowns, start, springs, scales, asked)
+    turning = _wraps(closure)
+    unknowns[turning] = (unknowns[turning] + np.pi) % (2 * np.pi) - np.pi
+    return unknowns, float(np.linalg.norm(evaluate(closure, unknowns, asked).residuals))
+
+
+def _least_squares(
+    closure: ClosureEquations,
+    unknowns: Array,
+    rest: Array,
+    springs: Array,
+    scales: Array,
+    asked: Array,
+) -> Array:
+    @lru_cache(maxsize=1)
+    def at(key: bytes) -> NumericEquations:
+        return evaluate(closure, np.frombuffer(key) * scales, asked)
+
+    def residuals(u: Array) -> Array:
+        return np.concatenate([at(u.tobytes()).residuals, springs * (u - rest / scales)])
+
+    def jacobian(u: Array) -> Array:
+        return np.concatenate([at(u.tobytes()).jacobian, np.diag(springs)])
+
+    tolerance = 1e-15 if not springs.any() else 1e-4
+    result = least_squares(
+        residuals,
+        unknowns / scales,
+        jac=jacobian,
+        xtol=tolerance,
+        ftol=tolerance,
+        gtol=tolerance,
+        max_nfev=100,
+    )
+    return np.asarray(result.x) * scales
+
+
+def _wraps(closure: ClosureEquations) -> NDArray[np.bool_]:
+    """Tell which unknowns are angles about one axis (not components of a rotation vector)."""
+    wraps = np.zeros(closure.n_unknowns, dtype=bool)
+    for tree_joint in closure.tree.joints:
+        wraps[tree_joint.coordinates] = tree_joint.joint.kind != "spherical"
+    return wraps
+
+
+def chord_frames(closure: ClosureEquations, unknowns: Array) -> dict[str, Frame]:
+    """Return T_from_to of each chord joint."""
+    kernel = closure.observation()
+    q = as_objects(unknowns[: closure.tree.n_coordinates])
+    values = np.array(kernel.function(q, as_objects(closure.constants.values)), dtype=float)
+    frames = values.reshape(-1, 12)[1:]
+    return {
+        chord.name: Frame(row[:9].reshape(3, 3), row[9:])
+        for chord, row in zip(closure.tree.chords, frames, strict=True)
+    }
+
+
+def _coordinates(joint: Joint, frame: Frame) -> Array:
+    R, p = frame.rotation[..., None], frame.position[:, None]
+    return joint_coordinates(joint, R, p)[:, 0]
+
+
+def _rebuilt(joint: Joint, q: Array) -> Frame:
+    if joint.kind == "spherical":
+        return Frame(exp_rotation(q))
+    frame = Frame()
+    for motion, value in zip(joint.motions, q, strict=True):
+        axis = np.eye(3)["xyz".index(motion[-1])]
+        step = Frame(exp_rotation(value * axis)) if motion[0] == "r" else Frame.at(*(value * axis))
+        frame = frame @ step
+    return frame
+
+
+def _misfit(joint: Joint, frame: Frame) -> tuple[float, float]:
+    """Return how far (m) and how turned (rad) a chord's sides are from what the joint allows."""
+    wanted = _rebuilt(joint, _coordinates(joint, frame))
+    error = wanted.inverse @ frame
+    gap = float(np.linalg.norm(error.position))
+    return gap, float(np.linalg.norm(log_rotation(error.rotation)))
+
+
+def _flipped(closure: ClosureEquations, unknowns: Array) -> bool:
+    """Tell whether equations hold with a joint's axes back to back instead of aligned."""
+    frames = chord_frames(closure, unknowns)
+    return any(_misfit(chord, frames[chord.name])[1] > 1e-6 for chord in closure.tree.chords)
+
+
+def _distance_to_given(closure: ClosureEquations, unknowns: Array) -> float:
+    hints = closure.tree.robot.home.joints
+    frames = chord_frames(closure, unknowns)
+    found = {t.joint.name: unknowns[t.coordinates] for t in closure.tree.joints}
+    found |= {chord.name: _coordinates(chord, frames[chord.name]) for chord in closure.tree.chords}
+    distance = 0.0
+    for name, hint in hints.items():
+        motions = closure.tree.robot.joints[name].motions
+        for motion, value, wanted in zip(motions, found[name], hint, strict=True):
+            difference = value - wanted
+            if motion.startswith("r"):
+                difference = (difference + np.pi) % (2 * np.pi) - np.pi
+            else:
+                difference /= closure.length
+            distance = max(distance, abs(float(difference)))
+    return distance
+
+
+def _gaps(closure: ClosureEquations, unknowns: Array) -> str:
+    frames = chord_frames(closure, unknowns)
+    words = []
+    for chord in closure.tree.chords:
+        gap, turn = _misfit(chord, frames[chord.name])
+        if gap > 1e-9 * closure.length or turn > 1e-9:
+            left, right = closure.tree.loop(chord)
+            names = [t.joint.name for t in [*left, *reversed(right)]]
+            words.append(
+                f"the loop {' - '.join([*names, chord.name])} stays open by {1e3 * gap:.4g} mm"
+                f" and {np.degrees(turn):.4g} deg at joint '{chord.name}'"
+            )
+    if not words:
+        missed = ", ".join(d for d in DIRECTIONS if d in closure.asked)
+        words.append(f"the tool does not reach its home coordinates {missed}")
+    return "; ".join(words)

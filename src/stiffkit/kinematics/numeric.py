@@ -1,0 +1,55 @@
+"""The closure's matrices at one posture, as plain arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiffkit.kinematics.closure import ClosureEquations
+from stiffkit.smallmat import as_objects
+
+Array = NDArray[np.float64]
+
+RANK_TOLERANCE = 1e-8
+"""Singular values below this share of the largest are zero; all rows and columns are unit-free."""
+
+
+@dataclass(frozen=True, eq=False)
+class NumericEquations:
+    """Residuals and derivatives at one posture, with lengths over the robot's size."""
+
+    residuals: Array
+    """(m,), unit-free."""
+    jacobian: Array
+    """(m, n), unit-free."""
+
+
+def evaluate(closure: ClosureEquations, unknowns: Array, asked: Array) -> NumericEquations:
+    """Return the equations at unknowns (n,) and tool coordinates asked for (m,), both SI."""
+    inputs = as_objects(np.concatenate([unknowns, asked]))
+    eq = closure.equations(inputs, as_objects(closure.constants.values))
+    scales = np.where(closure.translates, closure.length, 1.0)
+    jacobian = np.array(eq.jacobian, dtype=float).reshape(-1, closure.n_unknowns)
+    return NumericEquations(np.array(eq.residuals, dtype=float), jacobian * scales)
+
+
+def null_space(A: Array) -> Array:
+    """Return an orthonormal basis (n, k) of the null space of A (m, n)."""
+    if A.shape[0] == 0:
+        return np.eye(A.shape[1])
+    _, values, Vt = np.linalg.svd(A)
+    return np.asarray(Vt[rank_of(values) :].T)
+
+
+def rank_of(singular_values: Array) -> int:
+    """Return the number of singular values that are not zero."""
+    if singular_values.size == 0 or singular_values[0] == 0.0:
+        return 0
+    return int(np.sum(singular_values > RANK_TOLERANCE * max(singular_values[0], 1e-3)))
+
+
+def rank(A: Array) -> int:
+    """Return the numeric rank of a matrix."""
+    return rank_of(np.asarray(np.linalg.svd(A, compute_uv=False))) if A.size else 0

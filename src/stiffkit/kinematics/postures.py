@@ -1,0 +1,206 @@
+"""Tool poses to postures, for any mechanism: the room's main door."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from enum import IntEnum
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiffkit.compiled import Backend, BatchFunction
+from stiffkit.errors import PoseError
+from stiffkit.kinematics.closure import ClosureEquations
+from stiffkit.kinematics.coordinates import joint_coordinates, rotation_vectors
+from stiffkit.kinematics.home import assemble
+from stiffkit.kinematics.mobility import Mobility, controllable
+from stiffkit.kinematics.tracking import Tracker
+from stiffkit.kinematics.tree import SpanningTree
+from stiffkit.robot import DIRECTIONS, Robot
+
+Array = NDArray[np.float64]
+
+
+class Status(IntEnum):
+    """What is known of a posture."""
+
+    OK = 0
+    UNREACHABLE = 1
+    SINGULAR = 2
+    UNCONTROLLED = 3
+    OUTSIDE = 4
+
+    @property
+    def word(self) -> str:
+        """The name as files and tables show it."""
+        return self.name.lower()
+
+
+@dataclass(frozen=True, eq=False)
+class Postures:
+    """A batch of N postures."""
+
+    coordinates: Array
+    """(n, N), coordinates of the spanning tree, m and rad; NaN where unreachable."""
+    tool: Array
+    """(6, N): x, y, z, rotation vector; world axes; m and rad."""
+    joints: Array
+    """(n_joint_coordinates, N), in the order of `Kinematics.joint_names`."""
+    reached: NDArray[np.bool_]
+    """(N,)."""
+
+    def __len__(self) -> int:
+        """Return N."""
+        return int(self.coordinates.shape[1])
+
+    def part(self, which: slice) -> Postures:
+        """Return some of the postures."""
+        return Postures(
+            self.coordinates[:, which],
+            self.tool[:, which],
+            self.joints[:, which],
+            self.reached[which],
+        )
+
+
+class Kinematics:
+    """The rigid motion of a robot: its home posture, and any other."""
+
+    def __init__(
+        self, robot: Robot, *, prefer: Iterable[str] = (), backend: Backend | None = None
+    ) -> None:
+        """Put the robot together at home.
+
+        ``prefer`` names tool coordinates that shall be independent if the mechanism allows it.
+        Raises AssemblyError if loops cannot be closed at home.
+        """
+        self.robot = robot
+        self.backend = backend
+        self.tree = SpanningTree.of(robot)
+        self.length = _size(robot)
+        given = [d for d in DIRECTIONS if d in robot.home.tool]
+        at_home = ClosureEquations(self.tree, given, self.length)
+        self._home = assemble(at_home)[: self.tree.n_coordinates]
+        wanted = dict.fromkeys(
+            [*prefer, *robot.workspace.ranges, *robot.workspace.point_axes, *given, *DIRECTIONS]
+        )
+        self.asked = tuple(
+            d for d in DIRECTIONS if d in controllable(self.loops, self._home, list(wanted))
+        )
+        """Tool coordinates that fix a posture; the others follow from the mechanism."""
+
+    @cached_property
+    def loops(self) -> ClosureEquations:
+        """The closure equations without any tool coordinates."""
+        return ClosureEquations(self.tree, (), self.length)
+
+    @cached_property
+    def closure(self) -> ClosureEquations:
+        """The closure equations for the tool coordinates `asked`."""
+        return ClosureEquations(self.tree, self.asked, self.length)
+
+    @cached_property
+    def mobility(self) -> Mobility:
+        """Degrees of freedom at home."""
+        return Mobility.of(self.loops, self._home)
+
+    @cached_property
+    def _observe(self) -> BatchFunction:
+        return BatchFunction(self.loops.observation(), self.backend)
+
+    @cached_property
+    def _tracker(self) -> Tracker:
+        closure = self.closure
+        return Tracker(BatchFunction(closure.newton_step(), self.backend), closure.n_unknowns)
+
+    @cached_property
+    def joint_names(self) -> list[str]:
+        """Names such as "motor_left.rz" of all joint coordinates, joints in the file's order."""
+        return [f"{j.name}.{motion}" for j in self.robot.joints.values() for motion in j.motions]
+
+    @cached_property
+    def home(self) -> Postures:
+        """The home posture, a batch of one."""
+        return self.observe(self._home[:, None])
+
+    def observe(self, coordinates: Array) -> Postures:
+        """Return the postures at coordinates (n, N) of the tree, which must close the loops."""
+        frames = self._observe(coordinates).reshape(-1, 12, coordinates.shape[1])
+        R = frames[:, :9].reshape(-1, 3, 3, coordinates.shape[1])
+        p = frames[:, 9:]
+        tool = np.concatenate([p[0], rotation_vectors(R[0])])
+        parts = {t.joint.name: coordinates[t.coordinates] for t in self.tree.joints}
+        for i, chord in enumerate(self.tree.chords, start=1):
+            parts[chord.name] = joint_coordinates(chord, R[i], p[i])
+        joints = [parts[name] for name in self.robot.joints]
+        return Postures(
+            coordinates,
+            tool,
+            np.concatenate(joints) if joints else np.empty((0, coordinates.shape[1])),
+            np.isfinite(coordinates).all(axis=0) & np.isfinite(tool).all(axis=0),
+        )
+
+    def solve(self, asked: Array, wanted: NDArray[np.bool_] | None = None) -> Postures:
+        """Return the postures at tool coordinates (m, N) in the order of `asked`, SI.
+
+        The assembly mode of the home posture is followed; what it cannot reach is NaN, and so is
+        what is not ``wanted`` (N,).
+        """
+        closure = self.closure
+        home_tool = self.home.tool[:, 0]
+        home = np.array([home_tool[DIRECTIONS.index(d)] for d in self.asked])
+        extra = [home_tool[DIRECTIONS.index(d)] for d in closure.auxiliary]
+        q_home = np.concatenate([self._home, extra])
+        span = np.array([1.0 if d.startswith("r") else self.length for d in self.asked])
+        asked = np.asarray(asked, dtype=float)
+        wanted = np.ones(asked.shape[1], dtype=bool) if wanted is None else wanted
+        q = np.full((closure.n_unknowns, asked.shape[1]), np.nan)
+        q[:, wanted], _ = self._tracker.spread(q_home[:, None], home, asked[:, wanted], span)
+        return self.observe(q[: self.tree.n_coordinates])
+
+    def solve_at(self, at: Mapping[str, float]) -> Postures:
+        """Return the posture (a batch of one) at named tool coordinates, SI.
+
+        Independent coordinates that are not given are the home posture's. Raises PoseError for a
+        coordinate that does not exist, or that follows from the others and has another value.
+        """
+        for name in at:
+            if name not in DIRECTIONS:
+                raise PoseError(
+                    f"'{name}' is no tool coordinate",
+                    mend=f"the tool coordinates are {', '.join(DIRECTIONS)}",
+                )
+        home = self.home.tool[:, 0]
+        asked = [at.get(d, home[DIRECTIONS.index(d)]) for d in self.asked]
+        postures = self.solve(np.array(asked)[:, None])
+        if postures.reached[0]:
+            self._check_dependent(at, postures.tool[:, 0])
+        return postures
+
+    def _check_dependent(self, at: Mapping[str, float], tool: Array) -> None:
+        for name, wanted in at.items():
+            if name in self.asked:
+                continue
+            actual = float(tool[DIRECTIONS.index(name)])
+            scale = 1.0 if name.startswith("r") else self.length
+            if abs(actual - wanted) > 1e-6 * scale:
+                unit = "rad" if name.startswith("r") else "m"
+                independent = ", ".join(self.asked) or "none"
+                raise PoseError(
+                    f"the tool cannot have {name} = {wanted:.6g} {unit} there: the mechanism"
+                    f" makes it {actual:.6g} {unit}",
+                    mend=f"leave {name} out; the independent tool coordinates of"
+                    f" {self.robot.name} are: {independent}",
+                )
+
+
+def _size(robot: Robot) -> float:
+    """Return a length (m) that is typical of the robot: its largest offset between frames."""
+    offsets = [float(np.linalg.norm(robot.tool.T_body_tool.position))]
+    for joint in robot.joints.values():
+        frames = (joint.T_from_joint, joint.T_to_joint)
+        offsets += [float(np.linalg.norm(frame.position)) for frame in frames]
+    offsets += [abs(value) for d, value in robot.home.tool.items() if not d.startswith("r")]
+    return max(offsets) or 1.0

@@ -1,0 +1,37 @@
+"""Elastic links: beam sections, materials, beams, and checks of data that somebody gives."""
+
+from stiffkit.link.beam import beam_compliance, beam_inertia
+from stiffkit.link.checks import (
+    check_compliance,
+    check_inertia,
+    doubts_compliance,
+    doubts_inertia,
+    symmetrize,
+)
+from stiffkit.link.materials import MATERIALS, Material
+from stiffkit.link.sections import (
+    CowperCoefficient,
+    Section,
+    box,
+    rectangle,
+    round_bar,
+    tube,
+)
+
+__all__ = [
+    "MATERIALS",
+    "CowperCoefficient",
+    "Material",
+    "Section",
+    "beam_compliance",
+    "beam_inertia",
+    "box",
+    "check_compliance",
+    "check_inertia",
+    "doubts_compliance",
+    "doubts_inertia",
+    "rectangle",
+    "round_bar",
+    "symmetrize",
+    "tube",
+]

@@ -1,0 +1,61 @@
+"""Figures of stiffness maps for papers: one look, units for the reader, SVG and PNG."""
+
+from __future__ import annotations
+
+from stiffkit.plots.curves import curve_figure
+from stiffkit.plots.draw import position_text
+from stiffkit.plots.maps import map_figure, model_comparison_figure
+from stiffkit.plots.quantities import (
+    QUANTITIES,
+    Quantity,
+    main_quantities,
+    quantities_of,
+    quantity_named,
+)
+from stiffkit.plots.sweep import (
+    OK,
+    Sweep,
+    axis_unit,
+    cases_of,
+    is_planar,
+    loads_of,
+    middle_posture,
+    models_of,
+    ratio_of,
+    status_of,
+    sweep_of,
+    unit_of,
+    values_of,
+)
+from stiffkit.plots.units import DisplayUnit, Kind, display_unit, format_value
+from stiffkit.plots.write import write_figures
+
+__all__ = [
+    "OK",
+    "QUANTITIES",
+    "DisplayUnit",
+    "Kind",
+    "Quantity",
+    "Sweep",
+    "axis_unit",
+    "cases_of",
+    "curve_figure",
+    "display_unit",
+    "format_value",
+    "is_planar",
+    "loads_of",
+    "main_quantities",
+    "map_figure",
+    "middle_posture",
+    "model_comparison_figure",
+    "models_of",
+    "position_text",
+    "quantities_of",
+    "quantity_named",
+    "ratio_of",
+    "status_of",
+    "sweep_of",
+    "unit_of",
+    "values_of",
+    "write_figures",
+]

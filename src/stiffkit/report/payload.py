@@ -1,0 +1,221 @@
+"""The numbers of a map as JSON for the page: float32 in display units, decimated if need be."""
+
+from __future__ import annotations
+
+import base64
+import json
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from stiffkit.plots import (
+    DisplayUnit,
+    Quantity,
+    Sweep,
+    axis_unit,
+    cases_of,
+    format_value,
+    is_planar,
+    loads_of,
+    main_quantities,
+    middle_posture,
+    models_of,
+    quantities_of,
+    ratio_of,
+    status_of,
+    sweep_of,
+    unit_of,
+    values_of,
+)
+from stiffkit.report.decimate import (
+    Blocks,
+    block_sizes,
+    centres_of_blocks,
+    coordinates_of_blocks,
+    status_of_blocks,
+    worst_of_blocks,
+)
+
+Array = NDArray[np.float64]
+
+PLOTTED_POSTURES = 20_000
+"""A page shows at most this many postures, ..."""
+PLOTTED_NUMBERS = 1_000_000
+"""... and at most this many numbers in all, for maps with many loads or joints."""
+FEWEST_POSTURES = 2_000
+
+WORST = 10
+"""Rows in the table of the worst postures."""
+
+RATIO = "ratio"
+"""Stands for refined over simplified where a model's name is expected."""
+
+
+def payload_of(dataset: xr.Dataset) -> dict[str, Any]:
+    """Return everything that the page's script draws from, ready for `json_for_script`.
+
+    Values are base64 of little-endian float32 in display units, in C order of ``shape``.
+    """
+    sweep = sweep_of(dataset)
+    blocks = block_sizes(sweep.shape, _posture_limit(dataset))
+    models = models_of(dataset)
+    planar = is_planar(dataset)
+    shape = [-(-n // block) for n, block in zip(sweep.shape, blocks, strict=True)]
+    status = {m: status_of_blocks(status_of(dataset, m), blocks) for m in models}
+    return {
+        "isGrid": sweep.is_grid,
+        "shape": shape,
+        "blocks": list(blocks),
+        "axes": [_axis(sweep, axis, blocks) for axis in sweep.axes],
+        "models": list(models),
+        "loads": list(loads_of(dataset)),
+        "middle": list(middle_posture(status[models[0]])),
+        "first": main_quantities(dataset, planar=planar)[0].name,
+        "status": {m: "".join(str(int(v)) for v in s.ravel()) for m, s in status.items()},
+        "others": _other_coordinates(dataset, sweep, blocks),
+        "quantities": [_quantity(dataset, quantity) for quantity in quantities_of(dataset)],
+        "values": _all_values(dataset, blocks),
+        "worst": _all_worst(dataset, sweep),
+    }
+
+
+def json_for_script(value: object) -> str:
+    """Return JSON that can stand inside a script element: no "<", ">", "&" in it.
+
+    Raises:
+        ValueError: if a number is not finite.
+    """
+    text = json.dumps(value, allow_nan=False, separators=(",", ":"))
+    for character in "<>&":
+        text = text.replace(character, f"\\u{ord(character):04x}")
+    return text
+
+
+def worst_postures(values: Array, *, worst_is_largest: bool, count: int = WORST) -> list[int]:
+    """Return flat indices of the ``count`` worst finite values, the worst first."""
+    flat = values.ravel()
+    badness = np.where(np.isfinite(flat), flat if worst_is_largest else -flat, -np.inf)
+    count = min(count, int(np.isfinite(flat).sum()))
+    if count == 0:
+        return []
+    candidates = np.argpartition(-badness, count - 1)[:count]
+    return [int(i) for i in candidates[np.argsort(-badness[candidates], kind="stable")]]
+
+
+def _posture_limit(dataset: xr.Dataset) -> int:
+    models = len(models_of(dataset))
+    arrays = dataset.sizes.get("joint_coordinate", 0) + models * sum(
+        len(cases_of(dataset, quantity)) for quantity in quantities_of(dataset)
+    )
+    return int(np.clip(PLOTTED_NUMBERS // max(arrays, 1), FEWEST_POSTURES, PLOTTED_POSTURES))
+
+
+def _axis(sweep: Sweep, axis: str, blocks: Blocks) -> dict[str, Any]:
+    unit = axis_unit(axis)
+    block = blocks[sweep.axes.index(axis)] if sweep.is_grid else blocks[0]
+    shown = unit.of(coordinates_of_blocks(sweep.coordinates[axis], block))
+    values = [float(f"{value:.7g}") for value in np.round(shown, 9)]
+    return {"name": axis, "unit": unit.symbol, "values": values, "isLength": axis[0] != "r"}
+
+
+def _other_coordinates(dataset: xr.Dataset, sweep: Sweep, blocks: Blocks) -> list[dict[str, Any]]:
+    """Return what the hover text tells besides the swept coordinates: tool, then joints."""
+    others = []
+    for axis in dataset["direction"].values:
+        values = dataset["tool"].sel(direction=axis).values
+        known = values[np.isfinite(values)]
+        varies = known.size > 0 and np.ptp(known) > 1e-12
+        if str(axis) not in sweep.axes and varies:
+            others.append(_coordinate(str(axis), axis_unit(str(axis)), values, blocks))
+    if "joint" in dataset:
+        for name in dataset["joint_coordinate"].values:
+            values = dataset["joint"].sel(joint_coordinate=name).values
+            others.append(_coordinate(str(name), joint_unit(str(name)), values, blocks))
+    return others
+
+
+def joint_unit(name: str) -> DisplayUnit:
+    """Return the unit of a joint coordinate such as "motor_left.rz"."""
+    return axis_unit(name.rsplit(".", maxsplit=1)[-1])
+
+
+def _coordinate(name: str, unit: DisplayUnit, values: Array, blocks: Blocks) -> dict[str, Any]:
+    shown = unit.of(centres_of_blocks(values, blocks))
+    return {"name": name, "unit": unit.symbol, "data": _encode(shown)}
+
+
+def _quantity(dataset: xr.Dataset, quantity: Quantity) -> dict[str, Any]:
+    return {
+        "name": quantity.name,
+        "label": quantity.label,
+        "perLoad": quantity.per_load,
+        "worstIsLargest": quantity.worst_is_largest,
+        "units": {
+            load or "": unit_of(dataset, quantity, load).symbol
+            for load in cases_of(dataset, quantity)
+        },
+    }
+
+
+def _all_values(dataset: xr.Dataset, blocks: Blocks) -> dict[str, str]:
+    values = {}
+    for quantity in quantities_of(dataset):
+        for load in cases_of(dataset, quantity):
+            unit = unit_of(dataset, quantity, load)
+            for model in models_of(dataset):
+                worst = worst_of_blocks(
+                    values_of(dataset, quantity, model, load),
+                    blocks,
+                    worst_is_largest=quantity.worst_is_largest,
+                )
+                values[key_of(quantity.name, model, load)] = _encode(unit.of(worst))
+    return values
+
+
+def _all_worst(dataset: xr.Dataset, sweep: Sweep) -> dict[str, list[dict[str, Any]]]:
+    models = models_of(dataset)
+    has_both = set(models) == {"refined", "simplified"}
+    tables = {}
+    for quantity in quantities_of(dataset):
+        for load in cases_of(dataset, quantity):
+            unit = unit_of(dataset, quantity, load)
+            columns = {m: unit.of(values_of(dataset, quantity, m, load)) for m in models}
+            if has_both:
+                columns[RATIO] = ratio_of(dataset, quantity, load)
+            for model, values in columns.items():
+                indices = worst_postures(values, worst_is_largest=quantity.worst_is_largest)
+                tables[key_of(quantity.name, model, load)] = [
+                    _posture(dataset, sweep, index, float(values.flat[index])) for index in indices
+                ]
+    return tables
+
+
+def _posture(dataset: xr.Dataset, sweep: Sweep, index: int, value: float) -> dict[str, Any]:
+    where = np.unravel_index(index, sweep.shape)
+    cut = dict(zip(sweep.axes if sweep.is_grid else ("point",), where, strict=True))
+    tool = np.asarray(dataset["tool"].isel(cut).values, dtype=np.float64)
+    directions = [str(d) for d in dataset["direction"].values]
+    at = [float(f"{axis_unit(axis).of(tool[directions.index(axis)]):.7g}") for axis in sweep.axes]
+    pose = [
+        [d, format_value(float(np.round(axis_unit(d).of(v), 9))), axis_unit(d).symbol]
+        for d, v in zip(directions, tool, strict=True)
+    ]
+    joints = []
+    if "joint" in dataset:
+        for name, q in zip(
+            dataset["joint_coordinate"].values, dataset["joint"].isel(cut).values, strict=True
+        ):
+            unit = joint_unit(str(name))
+            joints.append([str(name), format_value(float(unit.of(q))), unit.symbol])
+    return {"at": at, "pose": pose, "joints": joints, "value": format_value(value)}
+
+
+def key_of(quantity: str, model: str, load: str | None) -> str:
+    """Return the key under which the page looks up a column of numbers."""
+    return json.dumps([quantity, model, load or ""], separators=(",", ":"))
+
+
+def _encode(values: Array) -> str:
+    return base64.b64encode(np.ascontiguousarray(values, dtype="<f4").tobytes()).decode("ascii")

@@ -1,0 +1,33 @@
+"""What a robot is, and how a robot file becomes one."""
+
+from stiffkit.robot.catalogue import list_robots
+from stiffkit.robot.loader import load_robot
+from stiffkit.robot.model import (
+    BASE,
+    DIRECTIONS,
+    Freedom,
+    Home,
+    Joint,
+    Link,
+    Load,
+    Parameter,
+    Robot,
+    Tool,
+    Workspace,
+)
+
+__all__ = [
+    "BASE",
+    "DIRECTIONS",
+    "Freedom",
+    "Home",
+    "Joint",
+    "Link",
+    "Load",
+    "Parameter",
+    "Robot",
+    "Tool",
+    "Workspace",
+    "list_robots",
+    "load_robot",
+]

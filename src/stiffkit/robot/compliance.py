@@ -1,0 +1,69 @@
+"""A compliance that a robot file gives: units, explicit repairs, and checks."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stiffkit.link.checks import check_compliance
+from stiffkit.robot.entry import Entry
+from stiffkit.robot.model import Array
+from stiffkit.robot.repair import repaired
+from stiffkit.units import (
+    COMPLIANCE_COUPLING,
+    COMPLIANCE_ROTATION,
+    COMPLIANCE_TRANSLATION,
+    Dimension,
+)
+
+_METRES = {"m": 1.0, "mm": 1e-3}
+
+
+def read_compliance(entry: Entry) -> tuple[Array, list[str]]:
+    """Return the compliance (6x6, SI) of a ``compliance`` mapping, and the repairs it asked for.
+
+    Raises RobotFileError where the matrix, repaired, is not that of an elastic body.
+    """
+    units = entry["units"].text() if "units" in entry else "m"
+    scale = _bare_scale(_METRES[units])
+    matrix = np.array(
+        [
+            [_read_element(element, i, j, scale) for j, element in enumerate(row.elements())]
+            for i, row in enumerate(entry["matrix"].elements())
+        ]
+    )
+    notes: list[str] = []
+    if (repair := entry.get("repair")) is not None:
+        matrix, notes = repaired(
+            matrix, repair, "compliance", lambda e, i, j: _read_element(e, i, j, scale), scale
+        )
+    faults = check_compliance(matrix)
+    if faults:
+        raise entry["matrix"].error("; ".join(faults), _mend(faults))
+    return matrix, notes
+
+
+def _bare_scale(metres: float) -> Array:
+    """Return what bare numbers are multiplied by (6x6), given the unit of length in metres."""
+    scale = np.ones((6, 6))
+    scale[:3, :3] = metres
+    scale[3:, 3:] = 1.0 / metres
+    return scale
+
+
+def _read_element(entry: Entry, i: int, j: int, scale: Array) -> float:
+    si = entry.quantity(_dimension(i, j))
+    is_bare = entry.value().dims is None
+    return si * float(scale[i, j]) if is_bare else si
+
+
+def _dimension(i: int, j: int) -> Dimension:
+    if i < 3 and j < 3:
+        return COMPLIANCE_TRANSLATION
+    return COMPLIANCE_ROTATION if i >= 3 and j >= 3 else COMPLIANCE_COUPLING
+
+
+def _mend(faults: list[str]) -> str:
+    """Name the repair that may help."""
+    if any("symmetric" in fault for fault in faults):
+        return "correct it, or add 'repair: {symmetrize: true}' to take the mean"
+    return "correct it, or add 'repair: {entries: {\"row,column\": value}}' with the right value"

@@ -1,0 +1,225 @@
+"""The links of a robot file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from graphlib import CycleError, TopologicalSorter
+
+import numpy as np
+
+from stiffkit.errors import LinkError
+from stiffkit.link.beam import beam_compliance, beam_inertia
+from stiffkit.link.checks import check_inertia, doubts_compliance, doubts_inertia
+from stiffkit.link.materials import Material
+from stiffkit.robot.compliance import read_compliance
+from stiffkit.robot.entry import Entry
+from stiffkit.robot.frames import read_frame
+from stiffkit.robot.model import BASE, Array, Link
+from stiffkit.robot.names import suggest
+from stiffkit.robot.problems import Problems
+from stiffkit.robot.repair import repaired
+from stiffkit.robot.sections import read_material, read_section
+from stiffkit.spatial import Frame
+from stiffkit.units import INERTIA, LENGTH, MASS
+
+TIP = "tip"
+BODIES = ("beam", "rigid", "compliance")
+
+Fields = dict[str, Entry]
+"""What a link says, its own keys and those copied from others."""
+
+
+def read_links(
+    entries: Mapping[str, Entry], materials: Mapping[str, Material]
+) -> tuple[dict[str, Link], list[str]]:
+    """Return the links by name, and notes on repairs and doubts.
+
+    Raises RobotFileError where one of them cannot exist.
+    """
+    fields = _with_copies(entries)
+    links: dict[str, Link] = {}
+    notes: list[str] = []
+    problems = Problems()
+    for name, entry in entries.items():
+        with problems.collect():
+            links[name], found = _LinkReader(name, entry, fields[name], materials).read()
+            notes.extend(f"links.{name}: {note}" for note in found)
+    problems.check()
+    return links, notes
+
+
+def _with_copies(entries: Mapping[str, Entry]) -> dict[str, Fields]:
+    """Return the keys of each link, those of the link that it is like filled in."""
+    originals = {name: _original(name, entry, entries) for name, entry in entries.items()}
+    graph = {name: [] if other is None else [other] for name, other in originals.items()}
+    try:
+        order = list(TopologicalSorter(graph).static_order())
+    except CycleError as error:
+        circle = list(reversed(error.args[1]))
+        raise entries[circle[0]]["like"].error(
+            f"link '{circle[0]}' is like itself: {' -> '.join(circle)}",
+            "describe one of them by 'beam', 'rigid' or 'compliance'",
+        ) from None
+    fields: dict[str, Fields] = {}
+    for name in order:
+        own = {key: value for key, value in entries[name].items() if key != "like"}
+        other = originals[name]
+        copied = {} if other is None else dict(fields[other])
+        if any(body in own for body in BODIES):
+            copied = {key: value for key, value in copied.items() if key not in BODIES}
+        fields[name] = copied | own
+    return fields
+
+
+def _original(name: str, entry: Entry, entries: Mapping[str, Entry]) -> str | None:
+    like = entry.get("like")
+    if like is None:
+        return None
+    if like.text() not in entries:
+        others = [other for other in entries if other != name]
+        raise like.error(f"there is no link '{like.text()}'", suggest(like.text(), others))
+    return like.text()
+
+
+class _LinkReader:
+    """Reads one link; the notes gather on the way."""
+
+    def __init__(
+        self, name: str, entry: Entry, fields: Fields, materials: Mapping[str, Material]
+    ) -> None:
+        self.name = name
+        self.entry = entry
+        self.fields = fields
+        self.materials = materials
+        self.notes: list[str] = []
+
+    def read(self) -> tuple[Link, list[str]]:
+        match self.body():
+            case "beam":
+                link = self.beam(self.fields["beam"])
+            case "compliance":
+                link = self.given(self.fields["compliance"])
+            case _:
+                link = self.rigid(self.fields["rigid"])
+        self.doubt(link)
+        return link, self.notes
+
+    def body(self) -> str:
+        given = [body for body in BODIES if body in self.fields]
+        if len(given) > 1:
+            raise self.entry.error(
+                f"'{given[0]}' and '{given[1]}' cannot stand together", "remove one of the two"
+            )
+        if not given:
+            raise self.entry.error(
+                "nothing says what the link is",
+                "add one of 'beam', 'rigid', 'compliance', or 'like: ANOTHER_LINK'",
+            )
+        return given[0]
+
+    def beam(self, entry: Entry) -> Link:
+        length = entry["length"].positive(LENGTH)
+        section = read_section(entry["section"])
+        material = read_material(entry["material"], self.materials)
+        try:
+            compliance = beam_compliance(length, section, material)
+            mass, center, inertia = beam_inertia(length, section, material)
+        except LinkError as error:
+            raise entry.blame(error) from None
+        own_mass = self.mass()
+        if own_mass is not None and "inertia" not in self.fields:
+            inertia = inertia * (own_mass / mass)
+            self.notes.append(
+                f"the beam's inertia is scaled to the given mass, {mass:.6g} -> {own_mass:.6g} kg"
+            )
+        return Link(
+            self.name,
+            _two_ports(Frame.at(length)),
+            compliance=compliance,
+            mass=mass if own_mass is None else own_mass,
+            center_of_mass=self.center(center),
+            inertia=self.inertia(inertia),
+            origin="beam",
+        )
+
+    def given(self, entry: Entry) -> Link:
+        compliance, repairs = read_compliance(entry)
+        self.notes.extend(repairs)
+        return Link(
+            self.name,
+            _two_ports(self.given_tip(entry)),
+            compliance=compliance,
+            mass=self.mass(),
+            center_of_mass=self.center(None),
+            inertia=self.inertia(None),
+            origin="compliance",
+        )
+
+    def given_tip(self, entry: Entry) -> Frame:
+        tip, length = entry.get(TIP), entry.get("length")
+        if (tip is None) == (length is None):
+            what = "neither 'tip' nor 'length' is" if tip is None else "'tip' and 'length' are both"
+            raise entry.error(f"{what} given", "say where the tip is by one of the two")
+        if length is not None:
+            return Frame.at(length.positive(LENGTH))
+        return read_frame(entry[TIP])
+
+    def rigid(self, entry: Entry) -> Link:
+        ports = {BASE: Frame()}
+        length = entry.get("length")
+        if length is not None:
+            ports[TIP] = Frame.at(length.positive(LENGTH))
+        given = entry.get("ports")
+        for name, port in [] if given is None else given.items():
+            if name == TIP and length is not None:
+                raise port.error(
+                    "'length' gives the port 'tip' already", "remove one, or rename the port"
+                )
+            ports[name] = read_frame(port)
+        return Link(
+            self.name,
+            ports,
+            mass=self.mass(),
+            center_of_mass=self.center(None),
+            inertia=self.inertia(None),
+            origin="rigid",
+        )
+
+    def mass(self) -> float | None:
+        return self.fields["mass"].not_negative(MASS) if "mass" in self.fields else None
+
+    def center(self, default: Array | None) -> Array | None:
+        entry = self.fields.get("center_of_mass")
+        return default if entry is None else entry.vector(LENGTH)
+
+    def inertia(self, default: Array | None) -> Array | None:
+        entry = self.fields.get("inertia")
+        if entry is None:
+            return default
+        printed = entry.get("matrix") or entry
+        inertia = printed.matrix(INERTIA)
+        if printed is not entry and (repair := entry.get("repair")) is not None:
+            inertia, notes = repaired(
+                inertia, repair, "inertia", lambda e, _i, _j: e.quantity(INERTIA), np.ones((3, 3))
+            )
+            self.notes.extend(notes)
+        mass = self.mass()
+        # An inertia may be known without its mass, which takes no part in the other checks.
+        faults = check_inertia(1.0 if mass is None else mass, inertia)
+        if faults:
+            raise printed.error(
+                "; ".join(faults),
+                "correct it; or write 'inertia: {matrix: ..., repair: {entries: {...}}}'",
+            )
+        return inertia
+
+    def doubt(self, link: Link) -> None:
+        """Note what is possible but looks like a wrong unit."""
+        if link.compliance is not None:
+            self.notes.extend(doubts_compliance(link.compliance))
+        if link.mass and link.inertia is not None:
+            self.notes.extend(doubts_inertia(link.mass, link.inertia))
+
+
+def _two_ports(tip: Frame) -> dict[str, Frame]:
+    return {BASE: Frame(), TIP: tip}

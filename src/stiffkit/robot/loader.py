@@ -1,0 +1,95 @@
+"""From a robot file to a robot."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from stiffkit.errors import UnitError
+from stiffkit.robot.catalogue import find_robot
+from stiffkit.robot.entry import Entry, Scope
+from stiffkit.robot.expressions import RESERVED_NAMES
+from stiffkit.robot.joints import check_connected, read_joints
+from stiffkit.robot.links import read_links
+from stiffkit.robot.model import Parameter, Robot
+from stiffkit.robot.names import suggest
+from stiffkit.robot.parameters import Given, ParameterError, check_same_dimension, resolve
+from stiffkit.robot.parts import read_parts
+from stiffkit.robot.schema import check_shape
+from stiffkit.robot.sections import read_materials
+from stiffkit.robot.source import read_source
+from stiffkit.robot.task import read_home, read_loads, read_tool, read_workspace
+from stiffkit.robot.tree import read_tree
+from stiffkit.units import Value
+
+
+def load_robot(path_or_name: str | Path, parameters: Mapping[str, Given] | None = None) -> Robot:
+    """Return the robot of a file, or of the catalogue by its name.
+
+    ``parameters`` replace those of the file, such as ``{"base": "310 mm"}``; numbers are SI.
+    Raises RobotFileError, with the place and how to mend it, where anything is wrong.
+    """
+    path = find_robot(path_or_name)
+    source = read_source(path)
+    root = read_tree(source)
+    check_shape(root, path)
+    values, notes = _parameters(Entry(path, (), root), parameters or {})
+    entry = Entry(path, (), root, Scope(values))
+    link_entries = read_parts(entry, "links")
+    if not link_entries:
+        raise entry.error("the robot has no links", "add a section 'links'")
+    joint_entries = read_parts(entry, "joints")
+    links, link_notes = read_links(link_entries, read_materials(entry.get("materials")))
+    joints = read_joints(joint_entries, links)
+    check_connected(joints, links, link_entries)
+    return Robot(
+        name=path.stem,
+        title=entry["robot"].text(),
+        links=links,
+        joints=joints,
+        tool=read_tool(entry["tool"], links),
+        home=read_home(entry.get("home"), joints),
+        workspace=read_workspace(entry.get("workspace")),
+        loads=read_loads(entry.get("loads")),
+        parameters={name: Parameter(name, value.si, value.unit) for name, value in values.items()},
+        source=path,
+        content_hash=source.content_hash,
+        notes=(*notes, *link_notes),
+    )
+
+
+def _parameters(root: Entry, overrides: Mapping[str, Given]) -> tuple[dict[str, Value], list[str]]:
+    """Return the values of the parameters, and notes on those that were replaced."""
+    section = root.get("parameters")
+    entries = {} if section is None else dict(section.items())
+    for name in sorted(entries.keys() & RESERVED_NAMES):
+        raise entries[name].error(
+            f"'{name}' is a function or a constant", "choose another name for the parameter"
+        )
+    for name in sorted(overrides.keys() - entries.keys()):
+        raise root.error(f"the robot has no parameter '{name}'", suggest(name, entries))
+    given = {name: _given(entry) for name, entry in entries.items()}
+    values = _resolve(given, entries)
+    if not overrides:
+        return values, []
+    replaced = _resolve({**given, **overrides}, entries)
+    for name in overrides:
+        try:
+            check_same_dimension(name, values[name], replaced[name])
+        except UnitError as error:
+            raise entries[name].error(error.what, error.mend) from None
+    return replaced, [
+        f"parameters.{name}: {values[name]} replaced by {replaced[name]}" for name in overrides
+    ]
+
+
+def _given(entry: Entry) -> Given:
+    value = entry.node.value
+    return value if isinstance(value, str | int | float) else entry.value()
+
+
+def _resolve(given: Mapping[str, Given], entries: Mapping[str, Entry]) -> dict[str, Value]:
+    try:
+        return resolve(given)
+    except ParameterError as error:
+        raise entries[error.name].error(error.what, error.mend) from None

@@ -1,0 +1,35 @@
+"""The stiffness of a posture: simplified and refined model, and the general assembly."""
+
+from stiffkit.stiffness.assembly import AssembledCompliance, Assembly, FreeMotion, Model
+from stiffkit.stiffness.composition import Composition
+from stiffkit.stiffness.freedom import describe_free_motion
+from stiffkit.stiffness.indices import (
+    PrincipalAxes,
+    deflection,
+    entry,
+    full_matrices,
+    principal_axes,
+    rotational_stiffness,
+    translational_stiffness,
+)
+from stiffkit.stiffness.model import Compliances, Stiffness
+from stiffkit.stiffness.simplified import SimplifiedModel
+
+__all__ = [
+    "AssembledCompliance",
+    "Assembly",
+    "Compliances",
+    "Composition",
+    "FreeMotion",
+    "Model",
+    "PrincipalAxes",
+    "SimplifiedModel",
+    "Stiffness",
+    "deflection",
+    "describe_free_motion",
+    "entry",
+    "full_matrices",
+    "principal_axes",
+    "rotational_stiffness",
+    "translational_stiffness",
+]

@@ -1,0 +1,171 @@
+"""The fast path: the robot's stiffness by series and parallel composition, as a posture kernel."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from stiffkit.compiled import Constants, Kernel
+from stiffkit.kinematics import Located, SpanningTree
+from stiffkit.robot import Freedom, Robot
+from stiffkit.smallmat import (
+    Matrix,
+    Scalar,
+    Vector,
+    factor,
+    lower_triangle,
+    outer_sum,
+    plus,
+    release,
+    series,
+    smallest,
+    soften,
+    vector,
+    zeros,
+)
+from stiffkit.stiffness.network import (
+    JointPart,
+    LinkPart,
+    Parallel,
+    Part,
+    Series,
+    build_network,
+    reduce_series_parallel,
+)
+from stiffkit.stiffness.parts import LooseDirection, PartsAtTool, add_elasticity, is_loose
+
+
+@dataclass(eq=False)
+class _Chain:
+    """What stands in series between two bodies; the order does not matter at one point."""
+
+    compliance: Matrix | None = None
+    """Sum over elastic links, (6, 6)."""
+    soft: list[LooseDirection] = field(default_factory=list)
+    passive: list[LooseDirection] = field(default_factory=list)
+    groups: list[Matrix] = field(default_factory=list)
+    """Stiffnesses of parallel groups, which may have free motions."""
+
+
+class Composition:
+    """A robot as one expression of series and parallel parts."""
+
+    def __init__(self, tree: SpanningTree, length: float) -> None:
+        """Reduce the robot's network; `available` tells whether that was possible."""
+        self.tree = tree
+        self.robot: Robot = tree.robot
+        self.part = reduce_series_parallel(build_network(self.robot))
+        self.constants = Constants()
+        add_elasticity(self.constants, self.robot, length)
+
+    @property
+    def available(self) -> bool:
+        """Whether the robot is series-parallel and no branch of it is rigid in a direction."""
+        return self.part is not None and self._has_stiffness(self.part)
+
+    def _has_stiffness(self, part: Part) -> bool:
+        """Tell whether the stiffness of a part is finite, by counting its directions."""
+        if isinstance(part, Parallel):
+            return all(self._has_stiffness(p) for p in part.parts)
+        parts = part.parts if isinstance(part, Series) else (part,)
+        if any(isinstance(p, Parallel) for p in parts):
+            return all(self._has_stiffness(p) for p in parts if isinstance(p, Parallel))
+        if any(isinstance(p, LinkPart) for p in parts):
+            return True
+        loose = sum(
+            is_loose(self.robot.joints[p.name], i)
+            for p in parts
+            if isinstance(p, JointPart)
+            for i in range(6)
+        )
+        return loose >= 6
+
+    def kernel(self) -> Kernel:
+        """Return the kernel of the tool's compliance.
+
+        Inputs: coordinates of the tree. Outputs: the lower triangle of the compliance (21, SI,
+        world axes, at the tool point), and the smallest share of a pivot of the stiffness, which
+        is zero where the tool can move freely.
+        """
+        if self.part is None:
+            raise ValueError("the robot is not series-parallel")
+        root = self.part
+
+        def compliance(q: Vector, c: Vector) -> Vector:
+            located = Located(self.tree, self.constants, q, c)
+            K = self._stiffness(root, PartsAtTool(located, self.constants, c))
+            factors = factor(K)
+            share = smallest(list(factors.shares[1:]))
+            return vector([*lower_triangle(factors.inverse()), share])
+
+        elastic = tuple(
+            (joint.name, joint.freedoms, tuple(np.isfinite(joint.stiffness)))
+            for joint in self.robot.joints.values()
+        )
+        return Kernel(
+            "compliance",
+            compliance,
+            self.tree.n_coordinates,
+            self.constants,
+            (self.tree.topology, root, elastic),
+        )
+
+    def _stiffness(self, part: Part, parts: PartsAtTool) -> Matrix:
+        """Return the stiffness (6, 6) of a part, positive semi-definite."""
+        if isinstance(part, Parallel):
+            total = zeros(6, 6)
+            for branch in part.parts:
+                total = plus(total, self._stiffness(branch, parts))
+            return total
+        chain = _Chain()
+        for p in part.parts if isinstance(part, Series) else (part,):
+            self._append(chain, p, parts)
+        return _stiffness_of_chain(chain, parts.length)
+
+    def _append(self, chain: _Chain, part: Part, parts: PartsAtTool) -> None:
+        if isinstance(part, LinkPart):
+            S = parts.link_compliance(self.robot.links[part.name])
+            chain.compliance = S if chain.compliance is None else plus(chain.compliance, S)
+        elif isinstance(part, JointPart):
+            for direction in parts.loose_directions(self.robot.joints[part.name]):
+                passive = direction.freedom is Freedom.PASSIVE
+                (chain.passive if passive else chain.soft).append(direction)
+        else:
+            chain.groups.append(self._stiffness(part, parts))
+
+
+def _stiffness_of_chain(chain: _Chain, length: Scalar) -> Matrix:
+    passive = [direction.twist for direction in chain.passive]
+    if chain.groups and chain.compliance is None:
+        # Nothing but joints beside the groups: each of them softens what the groups hold.
+        K, *others = chain.groups
+        for group in others:
+            K = series(K, group)
+        for soft in chain.soft:
+            K = soften(K, soft.twist, soft.compliance)
+        return release(K, passive, semidefinite=True)
+    S = chain.compliance if chain.compliance is not None else _padding(chain, length)
+    for soft in chain.soft:
+        S = outer_sum(S, soft.twist, soft.compliance)
+    K = factor(S).inverse()
+    for group in chain.groups:
+        K = series(group, K)
+    return release(K, passive, semidefinite=bool(chain.groups))
+
+
+def _padding(chain: _Chain, length: Scalar) -> Matrix:
+    """Return a compliance along the passive directions only.
+
+    A chain of rigid links is stiff in the directions that neither a drive nor a passive joint
+    moves it in; where there are none, any compliance along its passive directions makes its
+    compliance matrix definite and is removed with them. Its size is that of the drives.
+    """
+    typical: Scalar = 0.0
+    for soft in chain.soft:
+        typical = typical + soft.compliance * (length * length if soft.turns else 1.0)
+    S = zeros(6, 6)
+    for direction in chain.passive:
+        weight = typical / (length * length) if direction.turns else typical
+        S = outer_sum(S, direction.twist, weight)
+    return S

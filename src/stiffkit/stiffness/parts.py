@@ -1,0 +1,144 @@
+"""Compliances and free directions of links and joints, at the tool point, in world axes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiffkit.compiled import Constants
+from stiffkit.kinematics import Located
+from stiffkit.kinematics.locate import add_frame, add_geometry
+from stiffkit.robot import DIRECTIONS, Freedom, Joint, Link, Robot
+from stiffkit.smallmat import (
+    Matrix,
+    Scalar,
+    Vector,
+    congruence,
+    cross,
+    matmul,
+    minus,
+    plus,
+    skew,
+    subtract,
+    symmetric,
+    zeros,
+)
+
+
+def add_elasticity(constants: Constants, robot: Robot, length: float) -> None:
+    """Store the geometry, the compliances of links, joints and drives, and a typical length."""
+    add_geometry(constants, robot)
+    constants.add("length", np.array([length]))
+    for name, link in robot.links.items():
+        if link.compliance is not None:
+            add_frame(constants, f"tip:{name}", link.ports["tip"])
+            constants.add_symmetric(f"compliance:{name}", link.compliance)
+    for name, joint in robot.joints.items():
+        constants.add(f"compliance:{name}", joint_compliance(joint))
+
+
+def joint_compliance(joint: Joint) -> NDArray[np.float64]:
+    """Return the compliance (6,) of a joint's directions, 0 where passive or blocked; SI."""
+    compliance = np.zeros(6)
+    for i, (freedom, stiffness) in enumerate(zip(joint.freedoms, joint.stiffness, strict=True)):
+        if freedom in (Freedom.DRIVEN, Freedom.ELASTIC):
+            compliance[i] = 1.0 / stiffness
+    return compliance
+
+
+@dataclass(frozen=True, eq=False)
+class LooseDirection:
+    """A direction of a joint that is passive, or has a compliance."""
+
+    name: str
+    """Such as "elbow_left.rz"."""
+    freedom: Freedom
+    moves: bool
+    """Whether the direction is one of the joint's motions."""
+    twist: Vector
+    """Unit twist (6,) at the tool point, world axes."""
+    compliance: Scalar
+    """m/N or rad/(N m); 0 where passive."""
+
+    @property
+    def turns(self) -> bool:
+        """Whether the direction is a rotation."""
+        return self.name.rpartition(".")[2].startswith("r")
+
+
+def is_loose(joint: Joint, i: int) -> bool:
+    """Tell whether direction ``i`` of a joint is passive, or has a finite stiffness."""
+    freedom = joint.freedoms[i]
+    return freedom is Freedom.PASSIVE or (
+        freedom is not Freedom.BLOCKED and bool(np.isfinite(joint.stiffness[i]))
+    )
+
+
+class PartsAtTool:
+    """Makes the parts of a posture, referred to the tool point."""
+
+    def __init__(self, located: Located, constants: Constants, c: Vector) -> None:
+        """Take frames in world axes and the constants that `add_elasticity` stored."""
+        self.located = located
+        self._constants = constants
+        self._c = c
+        self._point = located.tool.p
+
+    @property
+    def length(self) -> Scalar:
+        """The robot's typical length, m."""
+        return self._constants.read(self._c, "length")[0]
+
+    def link_compliance(self, link: Link) -> Matrix:
+        """Return the compliance (6, 6) of an elastic link."""
+        S = self._constants.read_symmetric(self._c, f"compliance:{link.name}")
+        body = self.located.body(link.name)
+        tip = plus(matmul(body.R, self.located.constant(f"tip:{link.name}").p), body.p)
+        return _moved(S, body.R, minus(self._point, tip))
+
+    def loose_directions(self, joint: Joint) -> list[LooseDirection]:
+        """Return the directions of a joint in which its sides can move or deflect."""
+        point, axes = self.located.directions(joint)
+        arm = minus(self._point, point)
+        compliance = self._constants.read(self._c, f"compliance:{joint.name}")
+        return [
+            LooseDirection(
+                f"{joint.name}.{name}",
+                joint.freedoms[i],
+                name in joint.motions,
+                _twist(name, axes[name], arm),
+                compliance[i],
+            )
+            for i, name in enumerate(DIRECTIONS)
+            if is_loose(joint, i)
+        ]
+
+
+def _twist(name: str, axis: Vector, arm: Vector) -> Vector:
+    twist = zeros(6)
+    if name.startswith("r"):
+        twist[:3], twist[3:] = cross(axis, arm), axis
+    else:
+        twist[:3] = axis
+    return twist
+
+
+def _moved(S: Matrix, R: Matrix, arm: Vector) -> Matrix:
+    """Return a compliance turned by R, and referred to the point that is ``arm`` away."""
+    tt, rt, rr = S[:3, :3], S[3:, :3], S[3:, 3:]
+    tt, rr = congruence(R, tt), congruence(R, rr)
+    rt = matmul(matmul(R, rt), R.T)
+    W = skew(arm)
+    # With t' = t - W phi, and W^T = -W:
+    rt_moved = plus(rt, matmul(rr, W))
+    Wrt, W_moved = matmul(W, rt), matmul(W, rt_moved)
+    moved = zeros(6, 6)
+    moved[3:, 3:] = rr
+    moved[3:, :3] = rt_moved
+    moved[:3, 3:] = rt_moved.T
+    moved[:3, :3] = symmetric(
+        3, lambda i, j: subtract(subtract(tt[i, j], Wrt[j, i]), W_moved[i, j])
+    )
+    return moved

@@ -1,0 +1,19 @@
+"""Studies of a robot: one pose, a map of the workspace, a summary."""
+
+from stiffkit.study.analysis import Analysis
+from stiffkit.study.map import map_workspace
+from stiffkit.study.pose import PoseResult, analyse_pose
+from stiffkit.study.store import open_map, whole_directory, write_dataset
+from stiffkit.study.summary import Summary, summarise
+
+__all__ = [
+    "Analysis",
+    "PoseResult",
+    "Summary",
+    "analyse_pose",
+    "map_workspace",
+    "open_map",
+    "summarise",
+    "whole_directory",
+    "write_dataset",
+]

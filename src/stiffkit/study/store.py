@@ -1,0 +1,132 @@
+"""Datasets on disk: whole or not there at all."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from stiffkit.errors import OutputError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+LARGE = 200_000_000
+"""Bytes above which a dataset is stored as Zarr instead of NetCDF."""
+
+_DATASETS = ("map.nc", "map.zarr")
+_FOLDERS = ("figures", "map.zarr")
+"""What a map writes and replaces as a whole."""
+
+
+def dataset_name(dataset: xr.Dataset) -> str:
+    """Return the file name that a dataset gets: map.nc, or map.zarr if it is large."""
+    small, large = _DATASETS
+    return large if dataset.nbytes > LARGE else small
+
+
+def write_dataset(dataset: xr.Dataset, directory: Path) -> Path:
+    """Write a dataset as NetCDF-4, or as Zarr if it is large, and return where."""
+    path = directory / dataset_name(dataset)
+    if path.suffix == ".zarr":
+        dataset.to_zarr(path, mode="w", zarr_format=2)
+    else:
+        dataset.to_netcdf(path, engine="h5netcdf")
+    return path
+
+
+def open_map(path: str | Path) -> xr.Dataset:
+    """Return a dataset that `write_dataset` wrote, or the one in the directory of a map."""
+    import xarray as xr
+
+    path = Path(path)
+    for name in _DATASETS:
+        if (path / name).exists():
+            path = path / name
+            break
+    opened: xr.Dataset
+    if path.suffix == ".zarr":
+        opened = xr.open_zarr(path)
+    else:
+        opened = xr.open_dataset(path, engine="h5netcdf")
+    return opened
+
+
+@contextmanager
+def whole_directory(target: Path) -> Iterator[Path]:
+    """Give a directory to write in, whose content appears in ``target`` only when all is done.
+
+    Whatever is interrupted leaves ``target`` as it was. The results of an earlier map there are
+    replaced, all other files are kept. Raises OutputError if ``target`` cannot be written, or if
+    something that is no result of a map would be replaced.
+    """
+    target = Path(target)
+    _check_place(target)
+    with _told(target, "choose another directory with -o"):
+        is_new = not target.exists()
+        target.parent.mkdir(parents=True, exist_ok=True)
+        # Beside a new target or inside an old one: always on the file system of the target, which
+        # may be a mounted one, and never in a directory that only its owner may write to.
+        work = Path(
+            tempfile.mkdtemp(
+                prefix=f".{target.name}." if is_new else ".map.",
+                suffix=".partial",
+                dir=target.parent if is_new else target,
+            )
+        )
+    try:
+        with _told(target, "make room, or choose another directory with -o"):
+            results = work / "results"
+            results.mkdir()
+            yield results
+            if is_new and not target.exists():
+                results.rename(target)
+            else:
+                _replace_items(results, target, aside=work)
+    finally:
+        shutil.rmtree(work, ignore_errors=True)
+
+
+@contextmanager
+def _told(target: Path, mend: str) -> Iterator[None]:
+    """Turn what the system says of files into an OutputError."""
+    try:
+        yield
+    except OSError as error:
+        raise OutputError(
+            f"{target} cannot be written: {error.strerror or error}", mend=mend
+        ) from error
+
+
+def _check_place(target: Path) -> None:
+    """Raise OutputError where a map must not be written."""
+    above = next(path for path in (target, *target.parents) if path.exists())
+    if not above.is_dir():
+        raise OutputError(
+            f"{target} cannot be written: {above} is not a directory",
+            mend="choose another directory with -o",
+        )
+    theirs = [target / name for name in _FOLDERS if (target / name).exists()]
+    if theirs and not any((target / name).exists() for name in _DATASETS):
+        raise OutputError(
+            f"{theirs[0]} is there already and is not of an earlier map",
+            mend="choose another directory with -o",
+        )
+
+
+def _replace_items(results: Path, target: Path, aside: Path) -> None:
+    """Move results into a directory, and what they replace aside, with as small a gap as can be."""
+    old = aside / "old"
+    old.mkdir()
+    for name in _DATASETS:
+        # The other kind of dataset would be taken for that of the new map.
+        if (target / name).exists() and not (results / name).exists():
+            (target / name).rename(old / name)
+    for item in sorted(results.iterdir()):
+        final = target / item.name
+        if final.exists():
+            final.rename(old / item.name)
+        item.rename(final)
