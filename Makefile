@@ -11,6 +11,7 @@ demo: $(STAMP)
 	$(BIN)/stiffkit map biglide -o $(DEMO)
 
 test: lint
+	requirements/need-browser.sh
 	$(BIN)/pytest -n auto
 
 lint: $(STAMP)

@@ -89,9 +89,10 @@ class RobotArgument(click.ParamType):  # type: ignore[type-arg]  # generic only 
         self,
         ctx: click.Context,
         param: click.Parameter,
-        incomplete: str,  # noqa: ARG002
+        incomplete: str,
     ) -> list[click.shell_completion.CompletionItem]:
         """Offer the catalogue's names, and files."""
+        del ctx, param
         from stiffkit.robot import list_robots
 
         names = [n for n in list_robots() if n.startswith(incomplete)]

@@ -54,6 +54,7 @@ def load_robot(path_or_name: str | Path, parameters: Mapping[str, Given] | None 
         parameters={name: Parameter(name, value.si, value.unit) for name, value in values.items()},
         source=path,
         content_hash=source.content_hash,
+        lines={section: given.node.line for section, given in entry.items()},
         notes=(*notes, *link_notes),
     )
 

@@ -188,5 +188,7 @@ class Robot:
     source: Path | None = None
     content_hash: str = ""
     """SHA-256 of the robot file."""
+    lines: Mapping[str, int] = field(default_factory=dict)
+    """Lines of the robot file, from 1, at which its sections begin."""
     notes: tuple[str, ...] = ()
     """Repairs that the file asked for, and other things a reader should know."""

@@ -19,7 +19,8 @@ def key_path(keys: Iterable[Key]) -> str:
 def suggest(name: str, known: Iterable[str]) -> str:
     """Return "did you mean ...?" with the nearest known names, or what there is."""
     names = list(known)
-    close = difflib.get_close_matches(name, names, n=2, cutoff=0.6)
+    other_case = [one for one in names if one.casefold() == name.casefold()]
+    close = other_case or difflib.get_close_matches(name, names, n=2, cutoff=0.6)
     if close:
         return "did you mean " + " or ".join(f"'{one}'" for one in close) + "?"
     return "known here: " + shorten(", ".join(names), 100) if names else ""

@@ -8,26 +8,21 @@ It is slow, and the reference that the fast path is tested against.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stiffkit.compiled import Constants
+from stiffkit.compiled import Backend, BatchFunction, Constants, Kernel
 from stiffkit.kinematics import Located, SpanningTree
 from stiffkit.kinematics.numeric import null_space, rank
-from stiffkit.robot import Freedom
-from stiffkit.smallmat import as_objects
-from stiffkit.stiffness.network import (
-    Edge,
-    JointPart,
-    LinkPart,
-    Network,
-    Node,
-    build_network,
-)
-from stiffkit.stiffness.parts import LooseDirection, PartsAtTool, add_elasticity
+from stiffkit.robot import Freedom, Joint
+from stiffkit.smallmat import Scalar, Vector, lower_triangle, vector
+from stiffkit.stiffness.indices import full_matrices
+from stiffkit.stiffness.network import JointPart, LinkPart, Network, Node, build_network
+from stiffkit.stiffness.parts import PartsAtTool, add_elasticity, loose_directions
 
 Array = NDArray[np.float64]
 Model = Literal["refined", "simplified"]
@@ -73,7 +68,14 @@ class AssembledCompliance:
 class Assembly:
     """The general assembly of a robot."""
 
-    def __init__(self, tree: SpanningTree, length: float, model: Model = "refined") -> None:
+    def __init__(
+        self,
+        tree: SpanningTree,
+        length: float,
+        model: Model = "refined",
+        *,
+        backend: Backend | None = None,
+    ) -> None:
         """Take the mechanism and a length (m) that makes its equations unit-free.
 
         In the simplified model only the drives are elastic.
@@ -84,55 +86,88 @@ class Assembly:
         self.constants = Constants()
         add_elasticity(self.constants, tree.robot, length)
         self.network = build_network(tree.robot)
+        self._parts = BatchFunction(self._parts_kernel(), backend)
 
     def at(self, q: Array) -> AssembledCompliance:
         """Return compliance and free motions at coordinates (n,) of the tree, SI."""
-        c = as_objects(self.constants.values)
-        located = Located(self.tree, self.constants, as_objects(q), c)
-        parts = PartsAtTool(located, self.constants, c)
-        blocks = [self._coordinates(edge, parts) for edge in self.network.edges]
+        return next(self.at_each(q[:, None]))
+
+    def at_each(self, q: Array) -> Iterator[AssembledCompliance]:
+        """Yield compliance and free motions at each of the coordinates (n, N) of the tree, SI."""
+        for values in self._parts(q).T:
+            yield self._system(values).solve()
+
+    def _parts_kernel(self) -> Kernel:
+        """Return the kernel that refers all parts to the tool point.
+
+        Inputs: coordinates of the tree. Outputs, edge by edge: the lower triangle of a link's
+        compliance (21), or the unit twists (6 each) of a joint's loose directions; SI.
+        """
+        robot = self.tree.robot
+
+        def parts(q: Vector, c: Vector) -> Vector:
+            at_tool = PartsAtTool(Located(self.tree, self.constants, q, c), self.constants, c)
+            values: list[Scalar] = []
+            for edge in self.network.edges:
+                if isinstance(edge.part, LinkPart):
+                    compliance = at_tool.link_compliance(robot.links[edge.part.name])
+                    values += list(lower_triangle(compliance))
+                elif isinstance(edge.part, JointPart):
+                    for loose in at_tool.joint_looseness(robot.joints[edge.part.name]):
+                        values += list(loose.twist)
+            return vector(values)
+
+        loose = tuple(tuple(loose_directions(joint)) for joint in robot.joints.values())
+        topology = (self.tree.topology, self.network.edges, loose)
+        return Kernel("parts", parts, self.tree.n_coordinates, self.constants, topology)
+
+    def _system(self, values: Array) -> _System:
+        robot = self.tree.robot
+        blocks: list[_Coordinates] = []
+        start = 0
+        for edge in self.network.edges:
+            if isinstance(edge.part, LinkPart):
+                blocks.append(self._link_coordinates(edge.part.name, values[start : start + 21]))
+                start += 21
+            elif isinstance(edge.part, JointPart):
+                joint = robot.joints[edge.part.name]
+                end = start + 6 * len(loose_directions(joint))
+                blocks.append(self._joint_coordinates(joint, values[start:end].reshape(-1, 6)))
+                start = end
         loops, tool = _loops_and_tool(self.network, [block.columns for block in blocks])
-        system = _System(
+        return _System(
             loops,
             tool,
             _block_diagonal([block.energy for block in blocks]),
             [name for block in blocks for name in block.names],
             self.length,
         )
-        return system.solve()
 
-    def _coordinates(self, edge: Edge, parts: PartsAtTool) -> _Coordinates:
-        robot = self.tree.robot
-        if isinstance(edge.part, JointPart):
-            return self._joint_coordinates(parts.loose_directions(robot.joints[edge.part.name]))
-        if not isinstance(edge.part, LinkPart):
-            raise TypeError("the general assembly works on the network before its reduction")
+    def _link_coordinates(self, name: str, lower: Array) -> _Coordinates:
         if self.model == "simplified":
             return _Coordinates(np.zeros((6, 0)), np.zeros((0, 0)), ())
-        S = np.array(parts.link_compliance(robot.links[edge.part.name]), dtype=float)
+        S = full_matrices(lower[:, None])[..., 0]
         unit_free = _lengths_over(self.length)
         # With S = L L^T a deflection y holds the energy |L^-1 y|^2 / 2.
-        lower = np.linalg.cholesky(unit_free @ S @ unit_free)
-        return _Coordinates(np.eye(6), np.linalg.inv(lower), (f"{edge.part.name} bends",) * 6)
+        L = np.linalg.cholesky(unit_free @ S @ unit_free)
+        return _Coordinates(np.eye(6), np.linalg.inv(L), (f"{name}.bending",) * 6)
 
-    def _joint_coordinates(self, directions: list[LooseDirection]) -> _Coordinates:
-        if self.model == "simplified":
-            directions = [d for d in directions if d.freedom is Freedom.DRIVEN or d.moves]
-        columns = np.zeros((6, len(directions)))
-        rows = []
-        for j, direction in enumerate(directions):
-            unit = 1.0 if direction.turns else self.length
-            columns[:, j] = _lengths_over(self.length) @ np.array(direction.twist, dtype=float)
-            columns[:, j] *= unit
+    def _joint_coordinates(self, joint: Joint, twists: Array) -> _Coordinates:
+        refined = self.model == "refined"
+        columns, rows, names = [], [], []
+        for direction, twist in zip(loose_directions(joint), twists, strict=True):
             held = direction.freedom is Freedom.DRIVEN or (
-                direction.freedom is Freedom.ELASTIC and self.model == "refined"
+                direction.freedom is Freedom.ELASTIC and refined
             )
-            if held:
-                row = np.zeros(len(directions))
-                row[j] = unit / np.sqrt(float(direction.compliance))
-                rows.append(row)
-        energy = np.array(rows).reshape(-1, len(directions))
-        return _Coordinates(columns, energy, tuple(d.name for d in directions))
+            if not (held or direction.moves):
+                continue
+            unit = 1.0 if direction.turns else self.length
+            columns.append(unit * (_lengths_over(self.length) @ twist))
+            rows.append(unit * np.sqrt(joint.stiffness[direction.index]) if held else 0.0)
+            names.append(direction.name)
+        energy = np.diag(rows) if rows else np.zeros((0, 0))
+        held_rows = np.array([row > 0.0 for row in rows], dtype=bool)
+        return _Coordinates(np.array(columns).reshape(-1, 6).T, energy[held_rows], tuple(names))
 
 
 def _lengths_over(length: float) -> Array:

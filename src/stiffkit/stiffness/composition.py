@@ -33,7 +33,7 @@ from stiffkit.stiffness.network import (
     build_network,
     reduce_series_parallel,
 )
-from stiffkit.stiffness.parts import LooseDirection, PartsAtTool, add_elasticity, is_loose
+from stiffkit.stiffness.parts import Looseness, PartsAtTool, add_elasticity, loose_directions
 
 
 @dataclass(eq=False)
@@ -42,8 +42,8 @@ class _Chain:
 
     compliance: Matrix | None = None
     """Sum over elastic links, (6, 6)."""
-    soft: list[LooseDirection] = field(default_factory=list)
-    passive: list[LooseDirection] = field(default_factory=list)
+    soft: list[Looseness] = field(default_factory=list)
+    passive: list[Looseness] = field(default_factory=list)
     groups: list[Matrix] = field(default_factory=list)
     """Stiffnesses of parallel groups, which may have free motions."""
 
@@ -74,10 +74,9 @@ class Composition:
         if any(isinstance(p, LinkPart) for p in parts):
             return True
         loose = sum(
-            is_loose(self.robot.joints[p.name], i)
+            len(loose_directions(self.robot.joints[p.name]))
             for p in parts
             if isinstance(p, JointPart)
-            for i in range(6)
         )
         return loose >= 6
 
@@ -128,15 +127,15 @@ class Composition:
             S = parts.link_compliance(self.robot.links[part.name])
             chain.compliance = S if chain.compliance is None else plus(chain.compliance, S)
         elif isinstance(part, JointPart):
-            for direction in parts.loose_directions(self.robot.joints[part.name]):
-                passive = direction.freedom is Freedom.PASSIVE
-                (chain.passive if passive else chain.soft).append(direction)
+            for loose in parts.joint_looseness(self.robot.joints[part.name]):
+                passive = loose.direction.freedom is Freedom.PASSIVE
+                (chain.passive if passive else chain.soft).append(loose)
         else:
             chain.groups.append(self._stiffness(part, parts))
 
 
 def _stiffness_of_chain(chain: _Chain, length: Scalar) -> Matrix:
-    passive = [direction.twist for direction in chain.passive]
+    passive = [loose.twist for loose in chain.passive]
     if chain.groups and chain.compliance is None:
         # Nothing but joints beside the groups: each of them softens what the groups hold.
         K, *others = chain.groups
@@ -163,9 +162,9 @@ def _padding(chain: _Chain, length: Scalar) -> Matrix:
     """
     typical: Scalar = 0.0
     for soft in chain.soft:
-        typical = typical + soft.compliance * (length * length if soft.turns else 1.0)
+        typical = typical + soft.compliance * (length * length if soft.direction.turns else 1.0)
     S = zeros(6, 6)
-    for direction in chain.passive:
-        weight = typical / (length * length) if direction.turns else typical
-        S = outer_sum(S, direction.twist, weight)
+    for passive in chain.passive:
+        weight = typical / (length * length) if passive.direction.turns else typical
+        S = outer_sum(S, passive.twist, weight)
     return S

@@ -9,18 +9,21 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from stiffkit.compiled import Backend, BatchFunction
+from stiffkit.compiled import Backend, BatchFunction, Kernel
 from stiffkit.kinematics import Kinematics, Postures, Status
 from stiffkit.robot import DIRECTIONS, Freedom
 from stiffkit.smallmat import ZERO_SHARE
 from stiffkit.stiffness.assembly import AssembledCompliance, Assembly, Model
 from stiffkit.stiffness.composition import Composition
-from stiffkit.stiffness.indices import lower_triangles
+from stiffkit.stiffness.indices import full_matrices, lower_triangles
 from stiffkit.stiffness.simplified import SimplifiedModel
 
 Array = NDArray[np.float64]
 
 Method = Literal["composition", "jacobian", "assembly"]
+
+_AGREEMENT = 1e-6
+"""Largest difference between fast path and assembly, over the largest entry, both unit-free."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,22 +49,35 @@ class Stiffness:
         """Choose the method: composition or Jacobian where they apply, else the assembly."""
         self.kinematics = kinematics
         self.model: Model = model
-        self.assembly = Assembly(kinematics.tree, kinematics.length, model)
-        self.method, self._function = self._choose(backend)
+        self.assembly = Assembly(kinematics.tree, kinematics.length, model, backend=backend)
+        self.method: Method = "assembly"
+        self._function: BatchFunction | None = None
+        fast = self._fast_kernel()
+        if fast is not None and self._agrees_at_home(fast[1]):
+            self.method, self._function = fast[0], BatchFunction(fast[1], backend)
 
-    def _choose(self, backend: Backend | None) -> tuple[Method, BatchFunction | None]:
+    def _fast_kernel(self) -> tuple[Method, Kernel] | None:
         tree, length = self.kinematics.tree, self.kinematics.length
         if self.model == "refined":
             composition = Composition(tree, length)
-            if composition.available:
-                return "composition", BatchFunction(composition.kernel(), backend)
-        else:
-            simplified = SimplifiedModel(self.kinematics.loops)
-            mobility = self.kinematics.mobility
-            driven_chords = any(Freedom.DRIVEN in chord.freedoms for chord in tree.chords)
-            if len(simplified.driven) == mobility.numeric - mobility.idle and not driven_chords:
-                return "jacobian", BatchFunction(simplified.kernel(), backend)
-        return "assembly", None
+            return ("composition", composition.kernel()) if composition.available else None
+        simplified = SimplifiedModel(self.kinematics.loops)
+        mobility = self.kinematics.mobility
+        driven_chords = any(Freedom.DRIVEN in chord.freedoms for chord in tree.chords)
+        if len(simplified.driven) == mobility.numeric - mobility.idle and not driven_chords:
+            return "jacobian", simplified.kernel()
+        return None
+
+    def _agrees_at_home(self, kernel: Kernel) -> bool:
+        """Check the fast path once against the general assembly, before it is trusted."""
+        exact = self.at_home.compliance
+        if exact is None:
+            return True
+        fast = BatchFunction(kernel, "numpy")(self.kinematics.home.coordinates)[:21]
+        unit_free = np.diag([1.0 / self.kinematics.length] * 3 + [1.0] * 3)
+        error = unit_free @ (full_matrices(fast)[..., 0] - exact) @ unit_free
+        allowed = _AGREEMENT * np.abs(unit_free @ exact @ unit_free).max()
+        return bool((np.abs(error) <= allowed).all())
 
     @cached_property
     def at_home(self) -> AssembledCompliance:
@@ -101,10 +117,11 @@ class Stiffness:
 
     def _assembled(self, postures: Postures) -> Compliances:
         lower = np.full((21, len(postures)), np.nan)
-        for n in np.flatnonzero(postures.reached):
-            found = self.assembly.at(postures.coordinates[:, n]).compliance
-            if found is not None:
-                lower[:, n] = lower_triangles(found)
+        reached = np.flatnonzero(postures.reached)
+        found = self.assembly.at_each(postures.coordinates[:, reached])
+        for n, assembled in zip(reached, found, strict=True):
+            if assembled.compliance is not None:
+                lower[:, n] = lower_triangles(assembled.compliance)
         return self._with_status(lower, ~np.isfinite(lower[0]), postures)
 
     def _with_status(

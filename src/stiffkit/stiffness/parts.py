@@ -48,32 +48,43 @@ def joint_compliance(joint: Joint) -> NDArray[np.float64]:
     return compliance
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class LooseDirection:
     """A direction of a joint that is passive, or has a compliance."""
 
     name: str
     """Such as "elbow_left.rz"."""
+    index: int
+    """Among the six directions of the joint."""
     freedom: Freedom
     moves: bool
     """Whether the direction is one of the joint's motions."""
-    twist: Vector
-    """Unit twist (6,) at the tool point, world axes."""
-    compliance: Scalar
-    """m/N or rad/(N m); 0 where passive."""
 
     @property
     def turns(self) -> bool:
         """Whether the direction is a rotation."""
-        return self.name.rpartition(".")[2].startswith("r")
+        return self.index >= 3
 
 
-def is_loose(joint: Joint, i: int) -> bool:
-    """Tell whether direction ``i`` of a joint is passive, or has a finite stiffness."""
-    freedom = joint.freedoms[i]
-    return freedom is Freedom.PASSIVE or (
-        freedom is not Freedom.BLOCKED and bool(np.isfinite(joint.stiffness[i]))
-    )
+def loose_directions(joint: Joint) -> list[LooseDirection]:
+    """Return the directions of a joint in which its sides can move or deflect."""
+    return [
+        LooseDirection(f"{joint.name}.{name}", i, joint.freedoms[i], name in joint.motions)
+        for i, name in enumerate(DIRECTIONS)
+        if joint.freedoms[i] is Freedom.PASSIVE
+        or (joint.freedoms[i] is not Freedom.BLOCKED and np.isfinite(joint.stiffness[i]))
+    ]
+
+
+@dataclass(frozen=True, eq=False)
+class Looseness:
+    """A loose direction of a joint at a posture."""
+
+    direction: LooseDirection
+    twist: Vector
+    """Unit twist (6,) at the tool point, world axes."""
+    compliance: Scalar
+    """m/N or rad/(N m); 0 where passive."""
 
 
 class PartsAtTool:
@@ -98,21 +109,18 @@ class PartsAtTool:
         tip = plus(matmul(body.R, self.located.constant(f"tip:{link.name}").p), body.p)
         return _moved(S, body.R, minus(self._point, tip))
 
-    def loose_directions(self, joint: Joint) -> list[LooseDirection]:
-        """Return the directions of a joint in which its sides can move or deflect."""
+    def joint_looseness(self, joint: Joint) -> list[Looseness]:
+        """Return what a joint lets happen, in the order of `loose_directions`."""
         point, axes = self.located.directions(joint)
         arm = minus(self._point, point)
         compliance = self._constants.read(self._c, f"compliance:{joint.name}")
         return [
-            LooseDirection(
-                f"{joint.name}.{name}",
-                joint.freedoms[i],
-                name in joint.motions,
-                _twist(name, axes[name], arm),
-                compliance[i],
+            Looseness(
+                direction,
+                _twist(DIRECTIONS[direction.index], axes[DIRECTIONS[direction.index]], arm),
+                compliance[direction.index],
             )
-            for i, name in enumerate(DIRECTIONS)
-            if is_loose(joint, i)
+            for direction in loose_directions(joint)
         ]
 
 

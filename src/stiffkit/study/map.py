@@ -37,6 +37,8 @@ MODELS: tuple[Model, ...] = ("refined", "simplified")
 
 _BLOCK = 1 << 13
 """Postures at a time: what is computed of them then stays in the cache."""
+_SLOW_BLOCK = 1 << 8
+"""Postures at a time where each takes a millisecond, so that progress shows."""
 
 
 def map_workspace(
@@ -61,9 +63,10 @@ def map_workspace(
     quantities = _Quantities.empty(len(models), len(loads), len(postures))
     for m, name in enumerate(models):
         stiffness = analysis.model(name)
-        for start in range(0, len(postures), _BLOCK):
+        size = _SLOW_BLOCK if stiffness.method == "assembly" else _BLOCK
+        for start in range(0, len(postures), size):
             report(f"{name} model", (m + start / len(postures)) / len(models))
-            block = slice(start, start + _BLOCK)
+            block = slice(start, start + size)
             found = stiffness.at(postures.part(block))
             quantities.fill(m, block, found, loads)
     quantities.status[:, ~grid.inside] = Status.OUTSIDE

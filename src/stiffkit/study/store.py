@@ -18,8 +18,8 @@ LARGE = 200_000_000
 """Bytes above which a dataset is stored as Zarr instead of NetCDF."""
 
 _DATASETS = ("map.nc", "map.zarr")
-_FOLDERS = ("figures", "map.zarr")
-"""What a map writes and replaces as a whole."""
+_OTHERS = ("figures", "report.html")
+"""What a map writes beside its dataset."""
 
 
 def dataset_name(dataset: xr.Dataset) -> str:
@@ -64,8 +64,8 @@ def whole_directory(target: Path) -> Iterator[Path]:
     something that is no result of a map would be replaced.
     """
     target = Path(target)
-    _check_place(target)
     with _told(target, "choose another directory with -o"):
+        _check_place(target)
         is_new = not target.exists()
         target.parent.mkdir(parents=True, exist_ok=True)
         # Beside a new target or inside an old one: always on the file system of the target, which
@@ -109,7 +109,7 @@ def _check_place(target: Path) -> None:
             f"{target} cannot be written: {above} is not a directory",
             mend="choose another directory with -o",
         )
-    theirs = [target / name for name in _FOLDERS if (target / name).exists()]
+    theirs = [target / name for name in _OTHERS if (target / name).exists()]
     if theirs and not any((target / name).exists() for name in _DATASETS):
         raise OutputError(
             f"{theirs[0]} is there already and is not of an earlier map",
