@@ -36,6 +36,7 @@ def assignments(text: str, option: str) -> dict[str, str]:
 def tool_pose(texts: tuple[str, ...]) -> dict[str, float]:
     """Return tool coordinates (m, rad) of ``--at x=0.4975,y=-20mm,rz=10deg``."""
     from stiffkit.robot import DIRECTIONS
+    from stiffkit.robot.names import suggest
     from stiffkit.units import ANGLE, LENGTH, to_si
 
     at: dict[str, float] = {}
@@ -43,7 +44,7 @@ def tool_pose(texts: tuple[str, ...]) -> dict[str, float]:
         if name not in DIRECTIONS:
             raise PoseError(
                 f"'{name}' is no tool coordinate",
-                mend=f"the tool coordinates are {', '.join(DIRECTIONS)}",
+                mend=suggest(name, DIRECTIONS),
             )
         at[name] = to_si(value, ANGLE if name.startswith("r") else LENGTH)
     return at
@@ -73,7 +74,7 @@ def load_cases(texts: tuple[str, ...], robot: Robot) -> dict[str, NDArray[np.flo
             if name not in WRENCH:
                 raise PoseError(
                     f"'{name}' is no component of a load",
-                    mend=f"the components are {', '.join(WRENCH)}",
+                    mend=suggest(name, WRENCH),
                 )
             wrench[WRENCH.index(name)] = to_si(value, MOMENT if name[0] == "m" else FORCE)
         loads[text] = wrench
@@ -91,10 +92,11 @@ class RobotArgument(click.ParamType):  # type: ignore[type-arg]  # generic only 
         param: click.Parameter,
         incomplete: str,
     ) -> list[click.shell_completion.CompletionItem]:
-        """Offer the catalogue's names, and files."""
+        """Offer the catalogue's names, or else files."""
         del ctx, param
         from stiffkit.robot import list_robots
 
         names = [n for n in list_robots() if n.startswith(incomplete)]
         items = [click.shell_completion.CompletionItem(n) for n in names]
-        return [*items, click.shell_completion.CompletionItem(incomplete, type="file")]
+        # In bash, click's script forgets what stands before the item that asks for files.
+        return [click.shell_completion.CompletionItem(incomplete, type="file"), *items]

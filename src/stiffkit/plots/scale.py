@@ -39,7 +39,9 @@ class Scale:
 
     @property
     def norm(self) -> Normalize:
-        """The same as a Matplotlib norm."""
+        """The same as a Matplotlib norm; what is constant gets a range around it."""
+        if self.is_constant and self.high > 0.0:
+            return Normalize(0.9 * self.low, 1.1 * self.high)
         return (LogNorm if self.is_log else Normalize)(self.low, self.high)
 
     @property

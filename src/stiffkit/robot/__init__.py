@@ -15,6 +15,7 @@ from stiffkit.robot.model import (
     Tool,
     Workspace,
 )
+from stiffkit.robot.place import with_place
 
 __all__ = [
     "BASE",
@@ -30,4 +31,5 @@ __all__ = [
     "Workspace",
     "list_robots",
     "load_robot",
+    "with_place",
 ]

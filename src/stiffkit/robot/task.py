@@ -90,7 +90,8 @@ def _range(entry: Entry, direction: str) -> tuple[float, float]:
     low, high = (entry[i].coordinate(direction) for i in range(2))
     if low > high:
         raise entry.error(
-            f"the workspace is empty: {entry[0].value()} is more than {entry[1].value()}",
+            f"the workspace is empty: {entry[0].value()} is more than {entry[1].value()}"
+            f" (in SI, {low:.6g} and {high:.6g})",
             "write the lower value first",
         )
     return low, high

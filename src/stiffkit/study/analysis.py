@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiffkit.compiled import Backend
+from stiffkit.errors import AssemblyError
 from stiffkit.kinematics import Kinematics
-from stiffkit.robot import Robot
+from stiffkit.robot import Robot, with_place
 from stiffkit.stiffness import FreeMotion, Model, Stiffness, describe_free_motion
 
 Array = NDArray[np.float64]
@@ -24,7 +25,10 @@ class Analysis:
     ) -> None:
         """Put the robot together at home; see `stiffkit.kinematics.Kinematics`."""
         self.robot = robot
-        self.kinematics = Kinematics(robot, prefer=prefer, backend=backend)
+        try:
+            self.kinematics = Kinematics(robot, prefer=prefer, backend=backend)
+        except AssemblyError as error:
+            raise with_place(error, robot, "home") from None
         self._backend = backend
 
     @cached_property

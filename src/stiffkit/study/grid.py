@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiffkit.errors import PoseError
-from stiffkit.robot import DIRECTIONS, Robot, Workspace
+from stiffkit.robot import DIRECTIONS, Robot, Workspace, with_place
 
 Array = NDArray[np.float64]
 
@@ -58,27 +58,28 @@ def pose_grid(robot: Robot, points: int | None = None) -> PoseGrid:
         return PoseGrid(axes, True, np.ones(len(workspace.points), dtype=bool))
     ranges = _ranges(workspace)
     if not ranges:
-        raise PoseError(
+        error = PoseError(
             f"{robot.name} has no workspace to map",
             mend="add one to the robot file, such as  workspace: {x: [-100 mm, 100 mm]}",
         )
+        raise with_place(error, robot, "workspace")
     counts = _counts(ranges, workspace.counts, points)
-    grid = PoseGrid(
-        {
-            name: np.linspace(*ranges[name], counts[name])
-            if counts[name] > 1
-            else np.array([ranges[name][0]])
-            for name in ranges
-        },
-        False,
-        np.ones(0, dtype=bool),
-    )
+    axes = {name: _steps(*ranges[name], counts[name]) for name in ranges}
+    grid = PoseGrid(axes, False, np.ones(0, dtype=bool))
     values = grid.values()
     inside = np.ones(next(iter(values.values())).size, dtype=bool)
     if workspace.polygon is not None:
         u, v = workspace.polygon_axes
         inside = inside_polygon(values[u], values[v], workspace.polygon)
     return PoseGrid(grid.axes, False, inside)
+
+
+def _steps(low: float, high: float, count: int) -> Array:
+    """Return equal steps, with a zero that is exact."""
+    if count == 1:
+        return np.array([low])
+    values = np.linspace(low, high, count)
+    return np.where(np.abs(values) < 1e-9 * (high - low), 0.0, values)
 
 
 def _ranges(workspace: Workspace) -> dict[str, tuple[float, float]]:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from stiffkit import __version__
 from stiffkit.errors import PoseError
 from stiffkit.kinematics import Postures, Status
-from stiffkit.robot import DIRECTIONS, Load, Robot
+from stiffkit.robot import DIRECTIONS, Load, Robot, with_place
 from stiffkit.stiffness import (
     Compliances,
     Model,
@@ -80,11 +80,12 @@ def _postures(analysis: Analysis, grid: PoseGrid) -> Postures:
     for name in values:
         if name not in kinematics.asked:
             independent = ", ".join(kinematics.asked) or "none"
-            raise PoseError(
+            error = PoseError(
                 f"the workspace is over '{name}', but the tool of {analysis.robot.name} cannot be"
                 f" moved along it independently",
                 mend=f"its independent tool coordinates are: {independent}",
             )
+            raise with_place(error, analysis.robot, f"workspace.{name}")
     home = kinematics.home.tool[:, 0]
     n = grid.inside.size
     asked = np.stack(
