@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -20,7 +21,12 @@ from stiffkit.spatial import Frame, exp_rotation, log_rotation
 Array = NDArray[np.float64]
 
 _TRIES = 30
-"""Random starts after the one that the file gives."""
+"""Random starts after the one that the file gives, looking for the nearest assembly."""
+_HOPELESS = 8
+"""Starts without any assembly after which there is held to be none."""
+
+NEAR_HINTS = 0.5
+"""Largest distance of a joint from its rough coordinate, rad or robot sizes."""
 
 _SPRINGS = (0.3, 0.03, 0.0)
 """Stiffness of the springs that hold the unknowns, against residuals of order one."""
@@ -29,15 +35,27 @@ _NEAR = 0.3
 """Residual of a start from which no springs are needed."""
 
 
-def assemble(closure: ClosureEquations) -> Array:
-    """Return the unknowns (n,) of the home posture, the assembly nearest to what the file gives.
+@dataclass(frozen=True, eq=False)
+class HomePosture:
+    """The assembly that was found."""
+
+    unknowns: Array
+    """(n,), SI."""
+    off_by: float
+    """Distance from the rough coordinates that the file gives, rad or robot sizes."""
+    off_at: str
+    """The joint that is furthest off, "" if the file gives none."""
+
+
+def assemble(closure: ClosureEquations) -> HomePosture:
+    """Return the home posture, the assembly nearest to what the file gives.
 
     Raises AssemblyError, which names the loops that stay open, if there is none.
     """
     home = closure.tree.robot.home
     asked = np.array([home.tool[d] for d in closure.asked])
     guess, given = _guess(closure)
-    best: tuple[float, Array] | None = None
+    best: HomePosture | None = None
     nearest_miss: tuple[float, Array] = (np.inf, guess)
     rng = np.random.default_rng(0)
     for attempt in range(1 + _TRIES):
@@ -46,12 +64,13 @@ def assemble(closure: ClosureEquations) -> Array:
         if residual > CLOSED or _flipped(closure, unknowns):
             if residual < nearest_miss[0]:
                 nearest_miss = (residual, unknowns)
+            if best is None and attempt + 1 >= _HOPELESS:
+                break
             continue
-        distance = _distance_to_given(closure, unknowns)
-        if best is None or distance < best[0]:
-            best = (distance, unknowns)
-        # Without a hint at a chord joint the first assembly from the guess is the nearest one.
-        if distance < 0.5:
+        found = _with_distance(closure, unknowns)
+        if best is None or found.off_by < best.off_by:
+            best = found
+        if best.off_by < NEAR_HINTS:
             break
     if best is None:
         raise AssemblyError(
@@ -59,7 +78,7 @@ def assemble(closure: ClosureEquations) -> Array:
             f"{_gaps(closure, nearest_miss[1])}",
             mend="check lengths and joint frames, or give rough joint coordinates under 'home'",
         )
-    return best[1]
+    return best
 
 
 def _guess(closure: ClosureEquations) -> tuple[Array, NDArray[np.bool_]]:
@@ -129,7 +148,7 @@ def _least_squares(
         xtol=tolerance,
         ftol=tolerance,
         gtol=tolerance,
-        max_nfev=100,
+        max_nfev=60,
     )
     return np.asarray(result.x) * scales
 
@@ -184,22 +203,22 @@ def _flipped(closure: ClosureEquations, unknowns: Array) -> bool:
     return any(_misfit(chord, frames[chord.name])[1] > 1e-6 for chord in closure.tree.chords)
 
 
-def _distance_to_given(closure: ClosureEquations, unknowns: Array) -> float:
-    hints = closure.tree.robot.home.joints
+def _with_distance(closure: ClosureEquations, unknowns: Array) -> HomePosture:
     frames = chord_frames(closure, unknowns)
     found = {t.joint.name: unknowns[t.coordinates] for t in closure.tree.joints}
     found |= {chord.name: _coordinates(chord, frames[chord.name]) for chord in closure.tree.chords}
-    distance = 0.0
-    for name, hint in hints.items():
+    distances = [(0.0, "")]
+    for name, hint in closure.tree.robot.home.joints.items():
         motions = closure.tree.robot.joints[name].motions
         for motion, value, wanted in zip(motions, found[name], hint, strict=True):
-            difference = value - wanted
+            difference = float(value - wanted)
             if motion.startswith("r"):
                 difference = (difference + np.pi) % (2 * np.pi) - np.pi
             else:
                 difference /= closure.length
-            distance = max(distance, abs(float(difference)))
-    return distance
+            distances.append((abs(difference), name))
+    off_by, off_at = max(distances)
+    return HomePosture(unknowns, off_by, off_at)
 
 
 def _gaps(closure: ClosureEquations, unknowns: Array) -> str:
@@ -207,14 +226,21 @@ def _gaps(closure: ClosureEquations, unknowns: Array) -> str:
     words = []
     for chord in closure.tree.chords:
         gap, turn = _misfit(chord, frames[chord.name])
-        if gap > 1e-9 * closure.length or turn > 1e-9:
+        amounts = []
+        if gap > CLOSED * closure.length:
+            amounts.append(f"{1e3 * gap:.4g} mm")
+        if turn > CLOSED:
+            amounts.append(f"{np.degrees(turn):.4g} deg")
+        if amounts:
             left, right = closure.tree.loop(chord)
             names = [t.joint.name for t in [*left, *reversed(right)]]
             words.append(
-                f"the loop {' - '.join([*names, chord.name])} stays open by {1e3 * gap:.4g} mm"
-                f" and {np.degrees(turn):.4g} deg at joint '{chord.name}'"
+                f"the loop {' - '.join([*names, chord.name])} stays open by"
+                f" {' and '.join(amounts)} at joint '{chord.name}'"
             )
     if not words:
         missed = ", ".join(d for d in DIRECTIONS if d in closure.asked)
         words.append(f"the tool does not reach its home coordinates {missed}")
+    if len(words) > 2:
+        words = [*words[:2], f"and {len(words) - 2} more loops stay open"]
     return "; ".join(words)

@@ -82,7 +82,8 @@ class Kinematics:
         self.length = _size(robot)
         given = [d for d in DIRECTIONS if d in robot.home.tool]
         at_home = ClosureEquations(self.tree, given, self.length)
-        self._home = assemble(at_home)[: self.tree.n_coordinates]
+        self.home_found = assemble(at_home)
+        self._home = self.home_found.unknowns[: self.tree.n_coordinates]
         wanted = dict.fromkeys(
             [*prefer, *robot.workspace.ranges, *robot.workspace.point_axes, *given, *DIRECTIONS]
         )

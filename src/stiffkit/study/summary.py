@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stiffkit.kinematics.home import NEAR_HINTS
 from stiffkit.robot import DIRECTIONS, Freedom, Robot
 from stiffkit.study.analysis import Analysis
 
@@ -59,6 +60,24 @@ def _warnings(analysis: Analysis, free: list[str], n_drives: int) -> list[str]:
     mobility = analysis.kinematics.mobility
     needed = mobility.numeric - mobility.idle
     warnings = list(analysis.robot.notes)
+    home = analysis.kinematics.home_found
+    if home.off_by > NEAR_HINTS:
+        actual = dict(
+            zip(
+                analysis.kinematics.joint_names,
+                analysis.kinematics.home.joints[:, 0],
+                strict=True,
+            )
+        )
+        words = ", ".join(
+            f"{name} = {np.degrees(q):.4g} deg" if name[-2] == "r" else f"{name} = {1e3 * q:.4g} mm"
+            for name, q in actual.items()
+            if name.rpartition(".")[0] == home.off_at
+        )
+        warnings.append(
+            f"the nearest assembly at home is far from what the file gives for"
+            f" '{home.off_at}': {words}"
+        )
     if free and analysis.refined.uncontrolled:
         warnings.append(
             f"the robot has {needed} degrees of freedom and {n_drives} drives:"
