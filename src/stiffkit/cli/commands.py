@@ -165,13 +165,14 @@ def map_(robot: str, output: Path | None, points: int | None, settings: tuple[st
         write_dataset(dataset, work)
         report("drawing figures", 1.0)
         from stiffkit.plots import write_figures
-        from stiffkit.report import write_report
+        from stiffkit.report import status_in_words, write_report
 
         figures = write_figures(dataset, work / "figures")
         report("writing the report", 1.0)
         write_report(dataset, summary.facts, work / "report.html", figures)
-    n = dataset["status"].isel(model=0).size
-    click.echo(f"{n} postures mapped, {len(figures)} figures and the dataset in {target}")
+    for sentence in status_in_words(dataset):
+        click.echo(sentence)
+    click.echo(f"Dataset, report and {len(figures)} figures in {target}")
     for warning in summary.warnings:
         click.echo(f"note: {warning}")
     click.echo(f"open {target / 'report.html'}")

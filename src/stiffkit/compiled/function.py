@@ -13,6 +13,7 @@ from typing import Any, Literal
 import numpy as np
 
 from stiffkit.compiled.kernel import Array, Kernel
+from stiffkit.errors import StiffkitError
 from stiffkit.smallmat import Vector, as_objects, vector
 
 Backend = Literal["auto", "heyoka", "numpy"]
@@ -41,11 +42,17 @@ def heyoka_available() -> bool:
 
 
 def default_backend() -> Backend:
-    """Return the backend that the environment variable STIFFKIT_BACKEND names, else "auto"."""
+    """Return the backend that the environment variable STIFFKIT_BACKEND names, else "auto".
+
+    Raises StiffkitError for a name that is none.
+    """
     named = os.environ.get("STIFFKIT_BACKEND", "auto")
     if named in ("auto", "heyoka", "numpy"):
         return named  # type: ignore[return-value]
-    return "auto"
+    raise StiffkitError(
+        f"the environment variable STIFFKIT_BACKEND is '{named}'",
+        mend="set it to auto, heyoka or numpy, or not at all",
+    )
 
 
 class BatchFunction:

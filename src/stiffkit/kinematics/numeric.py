@@ -12,8 +12,12 @@ from stiffkit.smallmat import as_objects
 
 Array = NDArray[np.float64]
 
-RANK_TOLERANCE = 1e-8
-"""Singular values below this share of the largest are zero; all rows and columns are unit-free."""
+RANK_TOLERANCE = 1e-5
+"""Singular values below this share of the largest are zero; all rows and columns are unit-free.
+
+It is the root of `stiffkit.smallmat.ZERO_SHARE`, so that fast path and assembly call the same
+postures singular: directions are parallel when they are so to 1e-5 rad. At a limit of reach loops
+close to about 1e-7 rad only."""
 
 
 @dataclass(frozen=True, eq=False)

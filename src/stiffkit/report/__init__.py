@@ -3,5 +3,6 @@
 from __future__ import annotations
 
 from stiffkit.report.page import write_report
+from stiffkit.report.words import status_in_words
 
-__all__ = ["write_report"]
+__all__ = ["status_in_words", "write_report"]

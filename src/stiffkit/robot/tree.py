@@ -246,5 +246,6 @@ _MENDS = (
     ("cannot start any token", "indent with spaces, not with tabs, and put odd texts in quotes"),
     ("mapping values are not allowed", "check the indentation, and put texts with ': ' in quotes"),
     ("expected <block end>", "check the indentation of this line and the lines before it"),
+    ("unexpected ':'", "write a space after ':', and then a value, if only {}"),
     ("did not find expected", "check brackets, quotes and the indentation of the lines before it"),
 )

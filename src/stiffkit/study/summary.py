@@ -80,13 +80,15 @@ def _warnings(analysis: Analysis, free: list[str], n_drives: int) -> list[str]:
         )
     if free and analysis.refined.uncontrolled:
         warnings.append(
-            f"the robot has {needed} degrees of freedom and {n_drives} drives:"
-            " nothing holds the free motions above"
+            f"{_count(needed, 'degree')} of freedom and {_count(n_drives, 'drive')}:"
+            " nothing holds the free motions, which 'stiffkit check' names"
         )
     elif free:
         warnings.append("the home posture is singular: choose another one")
     elif n_drives > needed:
-        warnings.append(f"{n_drives} drives move {needed} degrees of freedom: they can fight")
+        warnings.append(
+            f"{_count(n_drives, 'drive')} for {_count(needed, 'degree')} of freedom: they can fight"
+        )
     if not analysis.robot.loads:
         warnings.append("no load cases: maps show stiffness only, no deflections")
     return warnings
@@ -99,6 +101,10 @@ def _drives(robot: Robot) -> list[str]:
         for motion, freedom in zip(DIRECTIONS, joint.freedoms, strict=True)
         if freedom is Freedom.DRIVEN
     ]
+
+
+def _count(number: int, word: str) -> str:
+    return f"{number} {word}" if number == 1 else f"{number} {word}s"
 
 
 def _count_kinds(robot: Robot) -> str:
