@@ -1,4 +1,8 @@
-"""The commands. Heavy rooms are imported inside them, so that help appears at once."""
+"""The commands.
+
+Heavy rooms are imported inside them, so that help appears at once, and after what the user typed
+has been read, so that a slip is told at once.
+"""
 
 from __future__ import annotations
 
@@ -68,10 +72,11 @@ def check(robot: str, settings: tuple[str, ...]) -> None:
 
     Example:  stiffkit check biglide
     """
+    loaded = _load(robot, settings)
     from stiffkit.cli.show import show_summary
     from stiffkit.study import summarise
 
-    show_summary(summarise(_load(robot, settings)))
+    show_summary(summarise(loaded))
 
 
 @main.command()
@@ -112,15 +117,16 @@ def pose(
 
     Example:  stiffkit pose biglide --at x=0.4975,y=0 --load fz=1000
     """
+    loaded = _load(robot, settings)
+    coordinates, loads = tool_pose(at), load_cases(load, loaded)
     from stiffkit.cli.show import show_pose
     from stiffkit.study import analyse_pose
 
-    loaded = _load(robot, settings)
     result = analyse_pose(
         loaded,
-        tool_pose(at),
+        coordinates,
         model="simplified" if model == "simplified" else "refined",
-        loads=load_cases(load, loaded),
+        loads=loads,
     )
     if as_json:
         click.echo(json.dumps(result.as_json(), indent=1, allow_nan=False))
@@ -152,10 +158,10 @@ def map_(robot: str, output: Path | None, points: int | None, settings: tuple[st
 
     Example:  stiffkit map biglide -o out/biglide --points 10000
     """
+    loaded = _load(robot, settings)
     from stiffkit.cli.show import progress
     from stiffkit.study import Analysis, map_workspace, summarise, whole_directory, write_dataset
 
-    loaded = _load(robot, settings)
     target = output or Path(f"stiffkit-{loaded.name}")
     with whole_directory(target) as work, progress(sys.stderr.isatty()) as report:
         analysis = Analysis(loaded)

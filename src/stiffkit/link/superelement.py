@@ -80,9 +80,7 @@ def _element(line: Line, start: float, h: float) -> tuple[Array, Array]:
 def _piece_compliance(line: Line, h: float) -> Array:
     """Return the compliance (6, 6) of the end of a piece of a line with its start held."""
     N, kappa = line.carry(), line.flexibility
-    return np.asarray(
-        h * kappa + h**2 / 2 * (N @ kappa + kappa @ N.T) + h**3 / 3 * N @ kappa @ N.T
-    )
+    return np.asarray(h * kappa + h**2 / 2 * (N @ kappa + kappa @ N.T) + h**3 / 3 * N @ kappa @ N.T)
 
 
 def lumped_superelement(line: Line, n_bodies: int, n_modes: int | None) -> Superelement:
@@ -129,9 +127,7 @@ def _rigid_piece_mass(line: Line, start: float, end: float, read: float) -> Arra
     return mass
 
 
-def _craig_bampton(
-    K: Array, M: Array, line: Line, n_modes: int | None, rule: str
-) -> Superelement:
+def _craig_bampton(K: Array, M: Array, line: Line, n_modes: int | None, rule: str) -> Superelement:
     """Reduce a chain (first six unknowns base, last six tip) to its ports and fixed-port modes.
 
     R. R. Craig, M. C. C. Bampton, "Coupling of substructures for dynamic analyses", AIAA J. 6(7),

@@ -1,6 +1,7 @@
 """The stiffness of a posture: simplified and refined model, and the general assembly."""
 
-from stiffkit.stiffness.assembly import AssembledCompliance, Assembly, FreeMotion, Model
+from stiffkit.network import FreeMotion, Model
+from stiffkit.stiffness.assembly import AssembledCompliance, Assembly
 from stiffkit.stiffness.composition import Composition
 from stiffkit.stiffness.freedom import describe_free_motion
 from stiffkit.stiffness.indices import (

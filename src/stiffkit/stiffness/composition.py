@@ -8,6 +8,19 @@ import numpy as np
 
 from stiffkit.compiled import Constants, Kernel
 from stiffkit.kinematics import Located, SpanningTree
+from stiffkit.network import (
+    JointPart,
+    LinkPart,
+    Looseness,
+    Parallel,
+    Part,
+    PartsAtTool,
+    Series,
+    add_elasticity,
+    build_network,
+    loose_directions,
+    reduce_series_parallel,
+)
 from stiffkit.robot import Freedom, Robot
 from stiffkit.smallmat import (
     Matrix,
@@ -24,16 +37,6 @@ from stiffkit.smallmat import (
     vector,
     zeros,
 )
-from stiffkit.stiffness.network import (
-    JointPart,
-    LinkPart,
-    Parallel,
-    Part,
-    Series,
-    build_network,
-    reduce_series_parallel,
-)
-from stiffkit.stiffness.parts import Looseness, PartsAtTool, add_elasticity, loose_directions
 
 
 @dataclass(eq=False)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from stiffkit.network import FreeMotion
 from stiffkit.spatial import Screw
-from stiffkit.stiffness.assembly import FreeMotion
 
 Array = NDArray[np.float64]
 
@@ -16,17 +16,12 @@ def describe_free_motion(motion: FreeMotion, tool: Array, length: float) -> str:
 
     ``tool`` (6,) is the tool pose, ``length`` (m) the robot's size.
     """
-    joints = joints_that_move(motion)
+    joints = motion.joints
     if not np.any(motion.twist):
         return f"what hangs between {_listed(joints)} can spin or shift, without any effect"
     screw = Screw.of_twist(motion.twist, tool[:3], length)
     words = f"the tool {screw.describe()} with all drives locked"
     return f"{words} (moving: {_listed(joints)})" if joints else words
-
-
-def joints_that_move(motion: FreeMotion) -> list[str]:
-    """Return the names of the joints that take part, each once."""
-    return list(dict.fromkeys(name.rpartition(".")[0] for name in motion.moving))
 
 
 def _listed(names: list[str]) -> str:

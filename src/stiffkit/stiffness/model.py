@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from stiffkit.compiled import Backend, BatchFunction, Kernel
 from stiffkit.kinematics import Kinematics, Postures, Status
+from stiffkit.network import Model
 from stiffkit.robot import DIRECTIONS, Freedom
 from stiffkit.smallmat import ZERO_SHARE
-from stiffkit.stiffness.assembly import AssembledCompliance, Assembly, Model
+from stiffkit.stiffness.assembly import AssembledCompliance, Assembly
 from stiffkit.stiffness.composition import Composition
 from stiffkit.stiffness.indices import full_matrices, lower_triangles
 from stiffkit.stiffness.simplified import SimplifiedModel
