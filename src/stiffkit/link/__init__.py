@@ -8,6 +8,7 @@ from stiffkit.link.checks import (
     doubts_inertia,
     symmetrize,
 )
+from stiffkit.link.line import Line, beam_line, equivalent_line
 from stiffkit.link.materials import MATERIALS, Material
 from stiffkit.link.sections import (
     CowperCoefficient,
@@ -21,15 +22,18 @@ from stiffkit.link.sections import (
 __all__ = [
     "MATERIALS",
     "CowperCoefficient",
+    "Line",
     "Material",
     "Section",
     "beam_compliance",
     "beam_inertia",
+    "beam_line",
     "box",
     "check_compliance",
     "check_inertia",
     "doubts_compliance",
     "doubts_inertia",
+    "equivalent_line",
     "rectangle",
     "round_bar",
     "symmetrize",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
 
 from stiffkit.robot import BASE, Freedom, Joint, Robot
@@ -57,6 +57,15 @@ class Network:
     base: Node
     tool: Node
     edges: tuple[Edge, ...] = field(repr=False)
+    clusters: Mapping[Node, Node] = field(repr=False, compare=False)
+    """The cluster that each (body, "base" or "tip") belongs to."""
+
+    def cluster_of(self, body: str, port: str) -> Node:
+        """Return the rigid cluster that a port of a body belongs to.
+
+        A rigid body has one for all its ports, an elastic one has one for each.
+        """
+        return self.clusters.get((body, port), self.clusters[(body, "base")])
 
 
 def build_network(robot: Robot) -> Network:
@@ -84,11 +93,11 @@ def build_network(robot: Robot) -> Network:
             root[find(a)] = find(b)
         else:
             edges.append((a, b, JointPart(joint.name)))
-    return Network(
-        find((BASE, "base")),
-        find(side(robot.tool.body, robot.tool.port)),
-        tuple(Edge(find(a), find(b), part) for a, b, part in edges),
-    )
+    base, tool = find((BASE, "base")), find(side(robot.tool.body, robot.tool.port))
+    found = tuple(Edge(find(a), find(b), part) for a, b, part in edges)
+    for name in robot.links:
+        find((name, "base"))
+    return Network(base, tool, found, {node: find(node) for node in list(root)})
 
 
 def is_rigid(joint: Joint) -> bool:

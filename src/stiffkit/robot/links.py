@@ -10,6 +10,7 @@ import numpy as np
 from stiffkit.errors import LinkError
 from stiffkit.link.beam import beam_compliance, beam_inertia
 from stiffkit.link.checks import check_inertia, doubts_compliance, doubts_inertia
+from stiffkit.link.line import beam_line
 from stiffkit.link.materials import Material
 from stiffkit.robot.compliance import read_compliance
 from stiffkit.robot.entry import Entry
@@ -132,14 +133,16 @@ class _LinkReader:
             self.notes.append(
                 f"the beam's inertia is scaled to the given mass, {mass:.6g} -> {own_mass:.6g} kg"
             )
+        actual_mass = mass if own_mass is None else own_mass
         return Link(
             self.name,
             _two_ports(Frame.at(length)),
             compliance=compliance,
-            mass=mass if own_mass is None else own_mass,
+            mass=actual_mass,
             center_of_mass=self.center(center),
             inertia=self.inertia(inertia),
             origin="beam",
+            line=beam_line(length, section, material, actual_mass),
         )
 
     def given(self, entry: Entry) -> Link:

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from stiffkit.link import Line
 from stiffkit.spatial import Frame
 
 Array = NDArray[np.float64]
@@ -54,6 +55,8 @@ class Link:
     """3x3, kg m^2, about the centre of mass, axes of the link frame."""
     origin: str = "rigid"
     """How the link was given: rigid, beam, compliance."""
+    line: Line | None = None
+    """Elasticity and mass along the link, where they are known: those of a beam."""
 
 
 @dataclass(frozen=True, eq=False)

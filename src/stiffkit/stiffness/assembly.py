@@ -67,7 +67,7 @@ class Assembly:
         # The deflection under a wrench w is G (G^T w) with G = tool (energy)^+: a least-squares
         # problem, twice as precise as the normal equations.
         if motions.held.shape[1]:
-            G = np.linalg.solve(motions.factor().T, (at.tool @ motions.held).T).T
+            G = np.asarray(np.linalg.solve(motions.factor().T, (at.tool @ motions.held).T).T)
         else:
             G = np.zeros((6, 0))
         to_si = np.diag([self.length] * 3 + [1.0] * 3)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import shutil
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -34,7 +34,8 @@ def write_dataset(dataset: xr.Dataset, directory: Path) -> Path:
     if path.suffix == ".zarr":
         dataset.to_zarr(path, mode="w", zarr_format=2)
     else:
-        dataset.to_netcdf(path, engine="h5netcdf")
+        # In memory first: where a disk is full, HDF5 brings the whole process down.
+        path.write_bytes(dataset.to_netcdf(engine="h5netcdf"))
     return path
 
 
@@ -118,15 +119,17 @@ def _check_place(target: Path) -> None:
 
 
 def _replace_items(results: Path, target: Path, aside: Path) -> None:
-    """Move results into a directory, and what they replace aside, with as small a gap as can be."""
+    """Move results into a directory, and what they replace aside; all of them or none."""
     old = aside / "old"
     old.mkdir()
-    for name in _DATASETS:
-        # The other kind of dataset would be taken for that of the new map.
-        if (target / name).exists() and not (results / name).exists():
-            (target / name).rename(old / name)
-    for item in sorted(results.iterdir()):
-        final = target / item.name
-        if final.exists():
-            final.rename(old / item.name)
-        item.rename(final)
+    new = sorted(path.name for path in results.iterdir())
+    # A dataset of the other kind would be taken for that of the new map.
+    replaced = [name for name in {*new, *_DATASETS} if (target / name).exists()]
+    with ExitStack() as undo:
+        for name, source, destination in (
+            *((name, target, old) for name in replaced),
+            *((name, results, target) for name in new),
+        ):
+            (source / name).rename(destination / name)
+            undo.callback((destination / name).rename, source / name)
+        undo.pop_all()
