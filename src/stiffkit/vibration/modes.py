@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -15,6 +16,7 @@ from stiffkit.kinematics.locate import add_geometry
 from stiffkit.network import (
     CoordinatesAtPosture,
     FreeMotion,
+    Model,
     Motions,
     NetworkCoordinates,
     Node,
@@ -27,6 +29,9 @@ Array = NDArray[np.float64]
 
 _MASSLESS = 1e-14
 """Eigenvalues of the flexibility times mass below this share of the largest are no modes."""
+
+_EQUAL = 1e-7
+"""Frequencies as near as this, over the frequency, are equal."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +49,8 @@ class Modes:
     free_motions: tuple[FreeMotion, ...]
     """Motions of the tool that nothing holds: rigid-body modes of frequency zero."""
     idle_motions: tuple[FreeMotion, ...]
+    n_existing: int = 0
+    """How many elastic modes there are, of which the lowest n are given."""
 
 
 class ModalModel:
@@ -55,14 +62,19 @@ class ModalModel:
         length: float,
         how: Discretisation | None = None,
         *,
+        bodies: Bodies | None = None,
+        elasticity: Model = "refined",
         backend: Backend | None = None,
     ) -> None:
-        """Take the mechanism, a typical length (m) and how links are cut up."""
+        """Take the mechanism, a typical length (m) and how links are cut up.
+
+        ``bodies`` replace the robot's own masses; ``elasticity`` says what yields.
+        """
         self.tree = tree
         self.length = length
-        self.bodies: Bodies = make_bodies(tree.robot, how or Discretisation())
+        self.bodies: Bodies = bodies or make_bodies(tree.robot, how or Discretisation())
         self.coordinates = NetworkCoordinates(
-            tree, length, mode_stiffness=self.bodies.mode_stiffness, backend=backend
+            tree, length, elasticity, mode_stiffness=self.bodies.mode_stiffness, backend=backend
         )
         self._massive = [*self.bodies.rigid, *self.bodies.elastic]
         self._constants = Constants()
@@ -117,7 +129,11 @@ class ModalModel:
         half = np.linalg.solve(R.T, held.T).T
         _, singular, Vt = np.linalg.svd(half, full_matrices=False)
         kept = singular > np.sqrt(_MASSLESS) * (singular[0] if singular.size else 1.0)
-        singular, Vt = singular[kept][:n], Vt[kept][:n]
+        singular, Vt = singular[kept], Vt[kept]
+        of_tool = at.tool @ (motions.held + motions.free @ follow)
+        Vt = _settled(singular, Vt, np.linalg.solve(R.T, of_tool.T).T)
+        n_existing = singular.size
+        singular, Vt = singular[:n], Vt[:n]
         s = np.linalg.solve(R, Vt.T) / singular
         shapes = motions.held @ s + motions.free @ follow @ s
         to_si = np.diag([self.length] * 3 + [1.0] * 3)
@@ -129,6 +145,7 @@ class ModalModel:
             [self._energy_shares(at, x) for x in shapes.T],
             free_motions,
             idle_motions,
+            n_existing,
         )
 
     def _mass_roots(self, at: CoordinatesAtPosture, placed: Array) -> Array:
@@ -163,6 +180,25 @@ class ModalModel:
         total = sum(shares.values())
         ranked = sorted(shares.items(), key=lambda item: -item[1])
         return {name: value / total for name, value in ranked}
+
+
+def _settled(singular: Array, Vt: Array, tool: Array) -> Array:
+    """Return the rows of ``Vt`` (n, m), turned where frequencies are equal.
+
+    Any mixture of modes of one frequency is a mode. Of theirs the first is made the one that alone
+    moves the tool (6, m) along x, and so on, so that modes of symmetric robots are what one expects
+    and come out alike on every machine.
+    """
+    settled = Vt.copy()
+    starts = np.flatnonzero(np.r_[True, -np.diff(singular) > _EQUAL * singular[:-1]])
+    for start, end in itertools.pairwise([*starts, singular.size]):
+        if end - start > 1:
+            twists = tool @ Vt[start:end].T
+            sizes = np.linalg.norm(twists, axis=1)
+            telling = sizes > 1e-3 * sizes.max()
+            Q, _ = np.linalg.qr(twists[telling].T, mode="complete")
+            settled[start:end] = Q.T @ Vt[start:end]
+    return settled
 
 
 def _at_body(placed: Array) -> Array:
