@@ -16,8 +16,10 @@ if TYPE_CHECKING:
     from stiffkit.errors import StiffkitError
     from stiffkit.robot import Robot, list_robots, load_robot
     from stiffkit.study import (
+        ModesResult,
         PoseResult,
         Summary,
+        analyse_modes,
         analyse_pose,
         map_workspace,
         open_map,
@@ -32,8 +34,10 @@ _HOMES = {
     "Robot": "stiffkit.robot",
     "list_robots": "stiffkit.robot",
     "load_robot": "stiffkit.robot",
+    "ModesResult": "stiffkit.study",
     "PoseResult": "stiffkit.study",
     "Summary": "stiffkit.study",
+    "analyse_modes": "stiffkit.study",
     "analyse_pose": "stiffkit.study",
     "map_workspace": "stiffkit.study",
     "open_map": "stiffkit.study",
@@ -41,11 +45,13 @@ _HOMES = {
 }
 
 __all__ = [
+    "ModesResult",
     "PoseResult",
     "Robot",
     "StiffkitError",
     "Summary",
     "__version__",
+    "analyse_modes",
     "analyse_pose",
     "list_robots",
     "load_robot",

@@ -15,9 +15,11 @@ import click
 
 from stiffkit import __version__
 from stiffkit.cli.arguments import RobotArgument, assignments, load_cases, tool_pose
+from stiffkit.errors import PoseError
 
 if TYPE_CHECKING:
     from stiffkit.robot import Robot
+    from stiffkit.study import ModesResult
 
 _robot = click.argument("robot", type=RobotArgument())
 _set = click.option(
@@ -26,6 +28,17 @@ _set = click.option(
     multiple=True,
     metavar="NAME=VALUE",
     help="Replace a parameter of the robot file, such as --set L1=900mm. Repeatable.",
+)
+_at = click.option(
+    "--at",
+    multiple=True,
+    metavar="x=...,y=...",
+    help="Tool coordinates x, y, z and rotation vector rx, ry, rz; bare numbers are m and rad, "
+    "units as in x=497.5mm,rz=10deg. Those not given are the home posture's, or follow from the "
+    "mechanism.",
+)
+_json = click.option(
+    "--json", "as_json", is_flag=True, help="Print JSON (SI units) instead of text."
 )
 
 
@@ -41,7 +54,7 @@ def _load(robot: str, settings: tuple[str, ...]) -> Robot:
 )
 @click.version_option(__version__, "-V", "--version", prog_name="stiffkit")
 def main() -> None:
-    """Stiffness of parallel robots over their whole workspace.
+    """Stiffness and vibration of parallel robots over their whole workspace.
 
     ROBOT is a robot file (YAML) or the name of a robot in the catalogue.
     """
@@ -81,14 +94,7 @@ def check(robot: str, settings: tuple[str, ...]) -> None:
 
 @main.command()
 @_robot
-@click.option(
-    "--at",
-    multiple=True,
-    metavar="x=...,y=...",
-    help="Tool coordinates x, y, z and rotation vector rx, ry, rz; bare numbers are m and rad, "
-    "units as in x=497.5mm,rz=10deg. Those not given are the home posture's, or follow from the "
-    "mechanism.",
-)
+@_at
 @click.option(
     "--load",
     multiple=True,
@@ -103,7 +109,7 @@ def check(robot: str, settings: tuple[str, ...]) -> None:
     show_default=True,
     help="refined: links, joints and drives are elastic; simplified: drives only.",
 )
-@click.option("--json", "as_json", is_flag=True, help="Print JSON (SI units) instead of text.")
+@_json
 @_set
 def pose(
     robot: str,
@@ -132,6 +138,89 @@ def pose(
         click.echo(json.dumps(result.as_json(), indent=1, allow_nan=False))
     else:
         show_pose(result)
+
+
+@main.command()
+@_robot
+@_at
+@click.option(
+    "-n",
+    "n_modes",
+    type=click.IntRange(min=1),
+    default=4,
+    show_default=True,
+    help="How many modes, lowest first.",
+)
+@click.option(
+    "--model",
+    type=click.Choice(["refined", "lumped", "simplified"]),
+    default="refined",
+    show_default=True,
+    help="refined: links as beam elements; lumped: links as rigid elements joined by springs; "
+    "simplified: drives and the platform's mass only.",
+)
+@click.option(
+    "--elements",
+    type=click.IntRange(min=1, max=200),
+    default=None,
+    help="Elements of each link; by default 8 beam elements, or 20 rigid ones. Many take long.",
+)
+@_json
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path, file_okay=True),
+    default=None,
+    help="Directory for modes.html, an animation that needs no network, and modes/, a figure of "
+    "each mode as SVG and PNG.",
+)
+@_set
+def modes(
+    robot: str,
+    at: tuple[str, ...],
+    n_modes: int,
+    model: str,
+    elements: int | None,
+    as_json: bool,
+    output: Path | None,
+    settings: tuple[str, ...],
+) -> None:
+    """Natural frequencies and mode shapes at one tool pose.
+
+    Example:  stiffkit modes biglide --at x=0.4975,y=0 -n 6 -o out/modes
+    """
+    loaded = _load(robot, settings)
+    coordinates = tool_pose(at)
+    from stiffkit.cli.show import show_modes
+    from stiffkit.study import MODELS_OF_VIBRATION, analyse_modes
+
+    chosen = next(name for name in MODELS_OF_VIBRATION if name == model)
+    result = analyse_modes(loaded, coordinates, n_modes, model=chosen, n_elements=elements)
+    if output is not None:
+        _write_modes(result, output)
+    if as_json:
+        click.echo(json.dumps(result.as_json(), indent=1, allow_nan=False))
+        return
+    show_modes(result)
+    if output is not None:
+        click.echo(f"open {output / 'modes.html'}")
+
+
+def _write_modes(result: ModesResult, output: Path) -> None:
+    """Write the animation and the figures of modes. Raises PoseError if there are none."""
+    if result.drawing is None:
+        raise PoseError(
+            f"there is no mode to draw: {result.reason or '; '.join(result.notes)}",
+            mend="leave -o out to see what else is known of the posture",
+        )
+    from stiffkit.plots import write_mode_figures
+    from stiffkit.report import write_modes_page
+    from stiffkit.study import MODES, whole_directory
+
+    with whole_directory(output, MODES) as work:
+        words = [mode.description for mode in result.modes]
+        write_mode_figures(result.drawing, result.frequencies_hz, words, work / "modes")
+        write_modes_page(result, work / "modes.html")
 
 
 @main.command(name="map")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from textwrap import wrap
 from typing import TYPE_CHECKING
 
 import click
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from stiffkit.stiffness import PrincipalAxes
-    from stiffkit.study import PoseResult, Summary
+    from stiffkit.study import ModesResult, PoseResult, Summary
 
 
 def heading(text: str) -> None:
@@ -61,6 +62,32 @@ def show_pose(result: PoseResult) -> None:
         _show_matrix(result.stiffness)
     elif result.compliance is not None:
         click.echo("stiffness   infinite in some directions: this model holds them rigidly")
+
+
+def show_modes(result: ModesResult) -> None:
+    """Print the modes of one posture."""
+    heading(f"{result.robot}, {result.model} model")
+    if result.reason:
+        click.echo(f"status      {result.status.word}: {result.reason}")
+    if np.isfinite(result.tool).all():
+        click.echo("tool        " + _values(DIRECTIONS, result.tool, "mm", "deg"))
+    if result.modes:
+        heading(f"{'mode':>4}{'frequency':>13}   description")
+    for number, mode in enumerate(result.modes, start=1):
+        lines = wrap(mode.description, 76)
+        click.echo(f"{number:>4}{mode.frequency_hz:>10.2f} Hz   {lines[0]}")
+        for line in lines[1:]:
+            click.echo(" " * 20 + line)
+    for motion in result.free_motions:
+        click.echo(f"free        {motion}")
+    for motion in result.idle_motions:
+        click.echo(f"idle        {motion}")
+    if result.rules:
+        heading("masses")
+    for name, rule in result.rules.items():
+        click.echo(f"  {name:<16} {rule}")
+    for note in result.notes:
+        click.echo(click.style("note: ", fg="yellow", bold=True) + note)
 
 
 _FACTOR = {"mm": 1e3, "deg": 180.0 / np.pi}

@@ -24,6 +24,12 @@ CHUNK = 1024
 WORTH_COMPILING = 4096
 """Postures after which "auto" compiles: interpreting them costs about as much as compiling."""
 
+WORTH_COMPILING_LARGE = 200_000
+"""The same for large kernels, which take seconds to compile."""
+
+INTERPRETED_CHUNK = 4096
+"""Postures per interpreted call, so that intermediate arrays do not fill the memory."""
+
 _CACHE_SIZE = 64
 _compiled: OrderedDict[Hashable, Any] = OrderedDict()
 
@@ -82,12 +88,14 @@ class BatchFunction:
             return False
         if self.backend == "heyoka":
             return True
-        worth = self._seen >= WORTH_COMPILING or self._key in _compiled
+        threshold = WORTH_COMPILING_LARGE if self.kernel.large else WORTH_COMPILING
+        worth = self._seen >= threshold or self._key in _compiled
         return worth and heyoka_available()
 
     @property
     def _key(self) -> Hashable:
-        return (self.kernel.name, self.kernel.topology, self._pattern)
+        kernel = self.kernel
+        return (kernel.name, kernel.topology, kernel.constants.layout, self._pattern)
 
     def compile(self) -> Any:
         """Return the compiled function, out of the cache if the topology has been met before."""
@@ -109,7 +117,7 @@ class BatchFunction:
         expressions = [
             heyoka.expression(float(out)) if isinstance(out, float) else out for out in outputs
         ]
-        return heyoka.cfunc(expressions, list(inputs), prec=0)
+        return heyoka.cfunc(expressions, list(inputs), compact_mode=self.kernel.large)
 
     def _constant_scalars(self, heyoka: Any) -> Vector:
         free = 0
@@ -142,6 +150,13 @@ class BatchFunction:
             # One posture runs on Python's own floats, ten times faster than on arrays of length 1.
             outputs = self.kernel.function(as_objects(inputs[:, 0]), constants)
             return np.array(outputs, dtype=float)[:, None]
-        with np.errstate(all="ignore"):
-            outputs = self.kernel.function(vector(inputs), constants)
-        return np.stack([np.broadcast_to(np.asarray(out, dtype=float), (n,)) for out in outputs])
+        chunks = []
+        for start in range(0, n, INTERPRETED_CHUNK):
+            chunk = inputs[:, start : start + INTERPRETED_CHUNK]
+            with np.errstate(all="ignore"):
+                outputs = self.kernel.function(vector(chunk), constants)
+            shape = (len(outputs), chunk.shape[1])
+            chunks.append(np.empty(shape))
+            for row, out in zip(chunks[-1], outputs, strict=True):
+                row[:] = out
+        return np.concatenate(chunks, axis=1)

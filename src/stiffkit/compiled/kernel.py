@@ -61,6 +61,11 @@ class Constants:
             for value, exact in zip(self._values, self._compiled_in, strict=True)
         )
 
+    @property
+    def layout(self) -> tuple[tuple[str, int], ...]:
+        """Name of each block, and where it starts."""
+        return tuple((name, where.start) for name, (where, _) in self._blocks.items())
+
     def read(self, c: Vector, name: str) -> Matrix:
         """Return a block out of the vector ``c`` that a kernel was given."""
         where, shape = self._blocks[name]
@@ -82,3 +87,5 @@ class Kernel:
     constants: Constants
     topology: Hashable = field(repr=False)
     """Whatever decides the outcome besides inputs and constants; equal topologies share code."""
+    large: bool = False
+    """Whether to compile it in pieces: much sooner done, and somewhat slower to run."""

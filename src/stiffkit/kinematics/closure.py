@@ -8,7 +8,7 @@ redundant unknowns (a rod that can spin) are both allowed: the step is the dampe
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -102,6 +102,12 @@ class ClosureEquations:
         return [not trivial for trivial in rows.holds_identically]
 
     @property
+    def topology(self) -> Hashable:
+        """What decides the shape of kernels made of these equations, apart from constants."""
+        # Whether an equation holds identically may be due to constants, such as equal angles.
+        return (self.tree.topology, self.asked, tuple(self._kept), tuple(self.elimination_order))
+
+    @property
     def n_unknowns(self) -> int:
         """Coordinates of the tree and auxiliary ones."""
         return self.tree.n_coordinates + len(self.auxiliary)
@@ -182,7 +188,7 @@ class ClosureEquations:
             step,
             n + len(self.asked),
             self.constants,
-            (self.tree.topology, self.asked),
+            self.topology,
         )
 
     def observation(self) -> Kernel:

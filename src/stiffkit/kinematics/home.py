@@ -20,6 +20,9 @@ from stiffkit.spatial import Frame, exp_rotation, log_rotation
 
 Array = NDArray[np.float64]
 
+_FITS = 1e-6
+"""Gap in robot sizes, and turn in rad, below which things fit together."""
+
 _TRIES = 30
 """Random starts after the one that the file gives, looking for the nearest assembly."""
 _HOPELESS = 8
@@ -59,9 +62,10 @@ def assemble(closure: ClosureEquations) -> HomePosture:
     nearest_miss: tuple[float, Array] = (np.inf, guess)
     rng = np.random.default_rng(0)
     for attempt in range(1 + _TRIES):
-        start = guess if attempt == 0 else _random_start(closure, guess, given, rng)
+        away = min(attempt / _HOPELESS, 1.0)
+        start = guess if attempt == 0 else _random_start(closure, guess, given, away, rng)
         unknowns, residual = _solve(closure, start, given, asked)
-        if residual > CLOSED or _flipped(closure, unknowns):
+        if residual > CLOSED or _gaps(closure, unknowns, asked):
             if residual < nearest_miss[0]:
                 nearest_miss = (residual, unknowns)
             if best is None and attempt + 1 >= _HOPELESS:
@@ -73,9 +77,9 @@ def assemble(closure: ClosureEquations) -> HomePosture:
         if best.off_by < NEAR_HINTS:
             break
     if best is None:
+        gaps = _gaps(closure, nearest_miss[1], asked) or "its loops close only nearly"
         raise AssemblyError(
-            f"the mechanism cannot be put together at its home posture: "
-            f"{_gaps(closure, nearest_miss[1])}",
+            f"the mechanism cannot be put together at its home posture: {gaps}",
             mend="check lengths and joint frames, or give rough joint coordinates under 'home'",
         )
     return best
@@ -93,11 +97,16 @@ def _guess(closure: ClosureEquations) -> tuple[Array, NDArray[np.bool_]]:
 
 
 def _random_start(
-    closure: ClosureEquations, guess: Array, given: NDArray[np.bool_], rng: np.random.Generator
+    closure: ClosureEquations,
+    guess: Array,
+    given: NDArray[np.bool_],
+    away: float,
+    rng: np.random.Generator,
 ) -> Array:
+    """Return a start anywhere, but at most the share ``away`` of that from what is given."""
     spread = np.where(closure.translates, closure.length, np.pi)
     free = rng.uniform(-1.0, 1.0, guess.shape) * spread
-    return np.where(given, guess + 0.1 * free, free)
+    return np.where(given, guess + away * free, free)
 
 
 def _solve(
@@ -161,16 +170,14 @@ def _wraps(closure: ClosureEquations) -> NDArray[np.bool_]:
     return wraps
 
 
-def chord_frames(closure: ClosureEquations, unknowns: Array) -> dict[str, Frame]:
-    """Return T_from_to of each chord joint."""
+def observed_frames(closure: ClosureEquations, unknowns: Array) -> tuple[Frame, dict[str, Frame]]:
+    """Return T_world_tool, and T_from_to of each chord joint."""
     kernel = closure.observation()
     q = as_objects(unknowns[: closure.tree.n_coordinates])
     values = np.array(kernel.function(q, as_objects(closure.constants.values)), dtype=float)
-    frames = values.reshape(-1, 12)[1:]
-    return {
-        chord.name: Frame(row[:9].reshape(3, 3), row[9:])
-        for chord, row in zip(closure.tree.chords, frames, strict=True)
-    }
+    tool, *chords = (Frame(row[:9].reshape(3, 3), row[9:]) for row in values.reshape(-1, 12))
+    names = (chord.name for chord in closure.tree.chords)
+    return tool, dict(zip(names, chords, strict=True))
 
 
 def _coordinates(joint: Joint, frame: Frame) -> Array:
@@ -197,14 +204,8 @@ def _misfit(joint: Joint, frame: Frame) -> tuple[float, float]:
     return gap, float(np.linalg.norm(log_rotation(error.rotation)))
 
 
-def _flipped(closure: ClosureEquations, unknowns: Array) -> bool:
-    """Tell whether equations hold with a joint's axes back to back instead of aligned."""
-    frames = chord_frames(closure, unknowns)
-    return any(_misfit(chord, frames[chord.name])[1] > 1e-6 for chord in closure.tree.chords)
-
-
 def _with_distance(closure: ClosureEquations, unknowns: Array) -> HomePosture:
-    frames = chord_frames(closure, unknowns)
+    _, frames = observed_frames(closure, unknowns)
     found = {t.joint.name: unknowns[t.coordinates] for t in closure.tree.joints}
     found |= {chord.name: _coordinates(chord, frames[chord.name]) for chord in closure.tree.chords}
     distances = [(0.0, "")]
@@ -221,26 +222,60 @@ def _with_distance(closure: ClosureEquations, unknowns: Array) -> HomePosture:
     return HomePosture(unknowns, off_by, off_at)
 
 
-def _gaps(closure: ClosureEquations, unknowns: Array) -> str:
-    frames = chord_frames(closure, unknowns)
+def _gaps(closure: ClosureEquations, unknowns: Array, asked: Array) -> str:
+    """Return in words where loops stay open and what the tool misses, "" if all fits.
+
+    The equations alone do not tell: they leave out what no coordinate can change, and hold as well
+    with a joint's axes, or the tool, half a turn away.
+    """
+    tool, frames = observed_frames(closure, unknowns)
     words = []
     for chord in closure.tree.chords:
         gap, turn = _misfit(chord, frames[chord.name])
-        amounts = []
-        if gap > CLOSED * closure.length:
-            amounts.append(f"{1e3 * gap:.4g} mm")
-        if turn > CLOSED:
-            amounts.append(f"{np.degrees(turn):.4g} deg")
+        amounts = _amounts(gap, turn, closure.length)
         if amounts:
             left, right = closure.tree.loop(chord)
             names = [t.joint.name for t in [*left, *reversed(right)]]
             words.append(
                 f"the loop {' - '.join([*names, chord.name])} stays open by"
-                f" {' and '.join(amounts)} at joint '{chord.name}'"
+                f" {amounts} at joint '{chord.name}'"
             )
-    if not words:
-        missed = ", ".join(d for d in DIRECTIONS if d in closure.asked)
-        words.append(f"the tool does not reach its home coordinates {missed}")
+    missed = _amounts(
+        _tool_gap(closure, tool, asked), _tool_turn(closure, tool, unknowns, asked), closure.length
+    )
+    if missed:
+        asked_names = ", ".join(d for d in DIRECTIONS if d in closure.asked)
+        words.append(f"the tool misses its home coordinates {asked_names} by {missed}")
     if len(words) > 2:
         words = [*words[:2], f"and {len(words) - 2} more loops stay open"]
     return "; ".join(words)
+
+
+def _amounts(gap: float, turn: float, length: float) -> str:
+    amounts = []
+    if gap > _FITS * length:
+        amounts.append(f"{1e3 * gap:.4g} mm")
+    if turn > _FITS:
+        amounts.append(f"{np.degrees(turn):.4g} deg")
+    return " and ".join(amounts)
+
+
+def _tool_gap(closure: ClosureEquations, tool: Frame, asked: Array) -> float:
+    """Return how far (m) the tool is from the position that is asked for."""
+    wanted = dict(zip(closure.asked, asked, strict=True))
+    places = zip("xyz", tool.position, strict=True)
+    return float(np.linalg.norm([wanted[d] - x for d, x in places if d in wanted]))
+
+
+def _tool_turn(closure: ClosureEquations, tool: Frame, unknowns: Array, asked: Array) -> float:
+    """Return how far (rad) the tool is turned from what is asked for, if anything is."""
+    given = {d: x for d, x in zip(closure.asked, asked, strict=True) if d.startswith("r")}
+    if not given:
+        return 0.0
+    extra = unknowns[closure.tree.n_coordinates :]
+    rotation = given | dict(zip(closure.auxiliary, extra, strict=True))
+    w = np.array([rotation[d] for d in ("rx", "ry", "rz")])
+    # Coordinates that follow could make a full turn of any one that is given.
+    excess = float(np.linalg.norm(w)) - max(np.pi, float(np.linalg.norm([*given.values()])))
+    turn = log_rotation(exp_rotation(w).T @ tool.rotation)
+    return max(float(np.linalg.norm(turn)), excess)

@@ -114,7 +114,9 @@ class Kinematics:
     @cached_property
     def _tracker(self) -> Tracker:
         closure = self.closure
-        return Tracker(BatchFunction(closure.newton_step(), self.backend), closure.n_unknowns)
+        turns = np.array([d.startswith("r") for d in self.asked], dtype=bool)
+        step = BatchFunction(closure.newton_step(), self.backend)
+        return Tracker(step, closure.n_unknowns, turns)
 
     @cached_property
     def joint_names(self) -> list[str]:

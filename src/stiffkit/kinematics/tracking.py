@@ -24,6 +24,8 @@ CLOSED = 1e-10
 
 _FIRST_CORRECTION = 0.35
 """Largest first correction, rad or robot sizes (root of the sum of squares)."""
+_LARGEST_TURN = 1.0
+"""Largest rotation of the tool in one piece, rad: half a turn would look like none."""
 _CONTRACTION = 0.7
 """Each correction is at most this share of the one before; at a reach limit it tends to 1/2."""
 _SETTLED = 1e-9
@@ -44,6 +46,8 @@ class Tracker:
     step: BatchFunction
     n: int
     """Number of unknowns."""
+    turns: Mask
+    """(m,), which of the tool coordinates asked for are rotations."""
 
     def _newton(self, q: Array, asked: Array) -> tuple[Array, Array, Array]:
         out = self.step(np.concatenate([q, asked]))
@@ -57,9 +61,11 @@ class Tracker:
         q = q.copy()
         n_postures = q.shape[1]
         done, piece = np.zeros(n_postures), np.ones(n_postures)
+        turn = np.sqrt(np.sum((end - start)[self.turns] ** 2, axis=0))
+        largest = _LARGEST_TURN / np.maximum(turn, _LARGEST_TURN)
         active = np.arange(n_postures)
         while active.size:
-            s = np.minimum(done[active] + piece[active], 1.0)
+            s = np.minimum(done[active] + np.minimum(piece, largest)[active], 1.0)
             target = start[:, active] + s * (end[:, active] - start[:, active])
             found, accepted = self._correct(q[:, active], target)
             moved = active[accepted]

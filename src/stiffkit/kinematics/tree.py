@@ -103,6 +103,7 @@ class SpanningTree:
             tuple(
                 (j.name, j.kind, j.axes, j.from_body, j.to_body) for j in self.robot.joints.values()
             ),
+            tuple(t.joint.name for t in self.joints),
             self.robot.tool.body,
         )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.linalg import eigh
@@ -28,10 +28,14 @@ class Superelement:
     """(12 + n, 12 + n): base, tip, modes."""
     rule: str
     """How the link's mass and elasticity were distributed, in words."""
+    stations: Array = field(default_factory=lambda: np.zeros(0))
+    """(s,), m from the base, where the motion inside the link is known; none if it is not."""
+    shapes: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    """(6 s, 12 + n): twists at the stations, link axes, for base, tip and modes."""
 
     def with_compliance(self, compliance: Array) -> Superelement:
         """Return the same masses and modes with another static compliance."""
-        return Superelement(compliance, self.mode_stiffness, self.mass, self.rule)
+        return replace(self, compliance=compliance)
 
 
 def consistent_superelement(line: Line, n_elements: int, n_modes: int | None) -> Superelement:
@@ -50,7 +54,8 @@ def consistent_superelement(line: Line, n_elements: int, n_modes: int | None) ->
         K[at, at] += stiffness
         M[at, at] += mass
     rule = f"{line.rule}, {n_elements} consistent elements"
-    return _craig_bampton(K, M, line, n_modes, rule)
+    stations = np.asarray(h * np.arange(n_elements + 1), dtype=float)
+    return _craig_bampton(K, M, line, stations, n_modes, rule)
 
 
 def _element(line: Line, start: float, h: float) -> tuple[Array, Array]:
@@ -112,7 +117,7 @@ def lumped_superelement(line: Line, n_bodies: int, n_modes: int | None) -> Super
         own = slice(6 * i, 6 * i + 6)
         M[own, own] = _rigid_piece_mass(line, cuts[i], cuts[i + 1], reads[i])
     rule = f"{line.rule}, {n_bodies} rigid elements joined by springs"
-    return _craig_bampton(K, M, line, n_modes, rule)
+    return _craig_bampton(K, M, line, reads, n_modes, rule)
 
 
 def _rigid_piece_mass(line: Line, start: float, end: float, read: float) -> Array:
@@ -127,7 +132,9 @@ def _rigid_piece_mass(line: Line, start: float, end: float, read: float) -> Arra
     return mass
 
 
-def _craig_bampton(K: Array, M: Array, line: Line, n_modes: int | None, rule: str) -> Superelement:
+def _craig_bampton(
+    K: Array, M: Array, line: Line, stations: Array, n_modes: int | None, rule: str
+) -> Superelement:
     """Reduce a chain (first six unknowns base, last six tip) to its ports and fixed-port modes.
 
     R. R. Craig, M. C. C. Bampton, "Coupling of substructures for dynamic analyses", AIAA J. 6(7),
@@ -144,7 +151,7 @@ def _craig_bampton(K: Array, M: Array, line: Line, n_modes: int | None, rule: st
     basis[inner, :12] = follow
     basis[inner, 12:] = modes
     compliance = _piece_compliance(line, line.length)
-    return Superelement(compliance, values, basis.T @ M @ basis, rule)
+    return Superelement(compliance, values, basis.T @ M @ basis, rule, stations, basis)
 
 
 def massless_superelement(compliance: Array) -> Superelement:

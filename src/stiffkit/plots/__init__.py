@@ -5,6 +5,7 @@ from __future__ import annotations
 from stiffkit.plots.curves import curve_figure
 from stiffkit.plots.draw import position_text
 from stiffkit.plots.maps import map_figure, model_comparison_figure
+from stiffkit.plots.modes import mode_figure, write_mode_figures
 from stiffkit.plots.quantities import (
     QUANTITIES,
     Quantity,
@@ -47,6 +48,7 @@ __all__ = [
     "main_quantities",
     "map_figure",
     "middle_posture",
+    "mode_figure",
     "model_comparison_figure",
     "models_of",
     "position_text",
@@ -58,4 +60,5 @@ __all__ = [
     "unit_of",
     "values_of",
     "write_figures",
+    "write_mode_figures",
 ]

@@ -75,12 +75,12 @@ def _page(dataset: xr.Dataset, summary: Sequence[tuple[str, str]], figures: Sequ
     payload = payload_of(dataset)
     attrs = dataset.attrs
     version = str(attrs.get("stiffkit_version", ""))
-    return Template(_asset("page.html")).substitute(
+    return Template(asset("page.html")).substitute(
         title=escape(str(attrs.get("title") or attrs.get("robot") or "Robot")),
         scope=escape(scope_in_words(dataset)),
         models=escape((" and ".join(models_of(dataset)) + " model").capitalize()),
         version=escape(version),
-        style=_asset("page.css"),
+        style=asset("page.css"),
         cards=cards(dataset, rows),
         decimation=escape(_decimation(payload["blocks"])),
         status=bullet_list(status_in_words(dataset)),
@@ -95,8 +95,8 @@ def _page(dataset: xr.Dataset, summary: Sequence[tuple[str, str]], figures: Sequ
         figures=_gallery(figures),
         provenance=pair_table(provenance(attrs)),
         data=json_for_script(payload),
-        plotly=_inline_script(get_plotlyjs()),
-        script=_inline_script("\n".join(_asset(name) for name in _SCRIPTS)),
+        plotly=inline_script(get_plotlyjs()),
+        script=inline_script("\n".join(asset(name) for name in _SCRIPTS)),
     )
 
 
@@ -137,10 +137,11 @@ def _gallery(figures: Sequence[Path]) -> str:
     )
 
 
-def _inline_script(code: str) -> str:
+def inline_script(code: str) -> str:
     """Return JavaScript that no HTML parser mistakes for the end of its script element."""
     return re.sub(r"<(?=/script|!--)", r"<\\", code, flags=re.IGNORECASE)
 
 
-def _asset(name: str) -> str:
+def asset(name: str) -> str:
+    """Return the text of a file that pages are made of."""
     return resources.files("stiffkit.report").joinpath("assets", name).read_text(encoding="utf-8")

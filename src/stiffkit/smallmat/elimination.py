@@ -2,7 +2,8 @@
 
 Whether a pivot is zero is judged by its share of what the entry was before elimination. That share
 (one minus the squared multiple correlation) has no unit and does not change when rows and columns
-are scaled, so newtons per metre and newton metres per radian can stand in one matrix.
+are scaled, so newtons per metre and newton metres per radian can stand in one matrix. An entry that
+an earlier elimination left is no measure if it is itself rounding; then the one before that is.
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ class Factors:
     pivots: Vector
     inverse_pivots: Vector
     shares: Vector
-    """Pivot over original diagonal entry; near 0 where S is singular, exactly 1 at the first."""
+    """Pivot over what it is judged against; near 0 where S is singular."""
 
     def solve_half(self, b: Vector) -> Vector:
         """Return ``L^-1 b``."""
@@ -72,13 +73,17 @@ class Factors:
         return symmetric(n, lambda i, j: dot(W[i:, i], DW[i:, j]))
 
 
-def factor(S: Matrix, *, semidefinite: bool = False) -> Factors:
+def factor(S: Matrix, *, scale: Vector | None = None, semidefinite: bool = False) -> Factors:
     """Return the factors of a symmetric matrix.
 
-    With ``semidefinite`` a zero pivot (see `ZERO_SHARE`) is skipped: its unknown is set to zero in
-    `Factors.solve`, which gives one of the solutions where the right side is in the range of S.
+    Pivots are judged against ``scale`` (n,), or the diagonal of S if it is not given; give it where
+    an entry of the diagonal may itself be no more than rounding. With ``semidefinite`` a zero pivot
+    (see `ZERO_SHARE`) is skipped: its unknown is set to zero in `Factors.solve`, which gives one of
+    the solutions where the right side is in the range of S.
     """
     n = S.shape[0]
+    if scale is None:
+        scale = vector(S[i, i] for i in range(n))
     L, scaled = zeros(n, n), zeros(n, n)
     pivots, inverse_pivots, shares = zeros(n), zeros(n), zeros(n)
     for j in range(n):
@@ -88,7 +93,7 @@ def factor(S: Matrix, *, semidefinite: bool = False) -> Factors:
                 rest = subtract(rest, multiply(L[i, k], scaled[j, k]))
             if i == j:
                 pivots[j] = rest
-                shares[j] = _share(rest, S[j, j])
+                shares[j] = _share(rest, scale[j])
                 inverse_pivots[j] = (
                     _reciprocal_or_zero(rest, shares[j]) if semidefinite else reciprocal(rest)
                 )
@@ -99,26 +104,25 @@ def factor(S: Matrix, *, semidefinite: bool = False) -> Factors:
     return Factors(L, pivots, inverse_pivots, shares)
 
 
-def release(K: Matrix, directions: list[Vector], *, semidefinite: bool = False) -> Matrix:
+def release(K: Matrix, directions: list[Vector], *, scale: Vector | None = None) -> Matrix:
     """Return the stiffness K with motion along ``directions`` made free.
 
     ``K <- K - (K u)(K u)^T / (u^T K u)`` for each direction, skipped where ``u^T K u`` has become
     zero because the direction is already free through the others. This is the static condensation
     of passive joints: the 6x6 block of the inverse of [[S, J], [J^T, 0]] (Briot et al. 2009,
     eq. 3; Pashkevich et al. 2009, "Stiffness analysis of overconstrained parallel manipulators").
-    With ``semidefinite`` K may have free motions of its own.
+
+    K is positive definite; where it may have free motions of its own, give as ``scale`` (6,) the
+    diagonal that it had before those were released.
     """
-    if semidefinite:
-        before = [_diagonal_form(K, u) for u in directions]
-    else:
+    if scale is None:
         before = [dot(u, matmul(K, u)) for u in directions]
-    for index, u in enumerate(directions):
+    else:
+        before = [dot(vector(multiply(x, x) for x in u), scale) for u in directions]
+    for u, locked in zip(directions, before, strict=True):
         Ku = matmul(K, u)
         uKu = dot(u, Ku)
-        if index == 0 and not semidefinite:
-            weight = reciprocal(uKu)
-        else:
-            weight = _reciprocal_or_zero(uKu, _share(uKu, before[index]))
+        weight = _reciprocal_or_zero(uKu, _share(uKu, locked))
         K = outer_sum(K, Ku, multiply(-1.0, weight))
     return K
 
@@ -135,13 +139,14 @@ def soften(K: Matrix, direction: Vector, compliance: Scalar) -> Matrix:
     return outer_sum(K, Ku, multiply(-1.0, weight))
 
 
-def series(K1: Matrix, K2: Matrix) -> Matrix:
+def series(K1: Matrix, K2: Matrix, scale: Vector) -> Matrix:
     """Return the stiffness of two stiffnesses in series, ``K1 - K1 (K1 + K2)^+ K1``.
 
-    Give the one with free motions first: its free motions stay free exactly.
+    Give the one with free motions first: its free motions stay free exactly. ``scale`` (6,) is the
+    diagonal of their sum before any free motions were released.
     """
     total = symmetric(6, lambda i, j: K1[i, j] + K2[i, j])
-    factors = factor(total, semidefinite=True)
+    factors = factor(total, scale=scale, semidefinite=True)
     columns = [factors.solve(K1[:, j]) for j in range(6)]
     return symmetric(6, lambda i, j: subtract(K1[i, j], dot(K1[i], columns[j])))
 
@@ -158,10 +163,6 @@ def _reciprocal_or_zero(pivot: Scalar, share: Scalar) -> Scalar:
         return 0.0
     zero = where_less(ZERO_SHARE, share, 0.0, 1.0)
     return (1.0 - zero) / (pivot + zero * (1.0 - pivot))
-
-
-def _diagonal_form(K: Matrix, u: Vector) -> Scalar:
-    return dot(vector(multiply(x, x) for x in u), vector(K[i, i] for i in range(len(u))))
 
 
 def _unit_lower_inverse(L: Matrix) -> Matrix:

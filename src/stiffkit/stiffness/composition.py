@@ -28,8 +28,10 @@ from stiffkit.smallmat import (
     Vector,
     factor,
     lower_triangle,
+    multiply,
     outer_sum,
     plus,
+    reciprocal,
     release,
     series,
     smallest,
@@ -37,6 +39,17 @@ from stiffkit.smallmat import (
     vector,
     zeros,
 )
+
+
+@dataclass(frozen=True, eq=False)
+class _Held:
+    """The stiffness of a part."""
+
+    stiffness: Matrix
+    """(6, 6), positive semi-definite."""
+    scale: Vector
+    """(6,), diagonal of the stiffness with passive joints locked. What is small beside it is
+    rounding; the diagonal of `stiffness` itself may be no more than that."""
 
 
 @dataclass(eq=False)
@@ -47,8 +60,8 @@ class _Chain:
     """Sum over elastic links, (6, 6)."""
     soft: list[Looseness] = field(default_factory=list)
     passive: list[Looseness] = field(default_factory=list)
-    groups: list[Matrix] = field(default_factory=list)
-    """Stiffnesses of parallel groups, which may have free motions."""
+    groups: list[_Held] = field(default_factory=list)
+    """Parallel groups, which may have free motions."""
 
 
 class Composition:
@@ -87,8 +100,8 @@ class Composition:
         """Return the kernel of the tool's compliance.
 
         Inputs: coordinates of the tree. Outputs: the lower triangle of the compliance (21, SI,
-        world axes, at the tool point), and the smallest share of a pivot of the stiffness, which
-        is zero where the tool can move freely.
+        world axes, at the tool point), and the smallest share of a direction's stiffness that is
+        left with passive joints released, which is zero where the tool can move freely.
         """
         if self.part is None:
             raise ValueError("the robot is not series-parallel")
@@ -96,10 +109,10 @@ class Composition:
 
         def compliance(q: Vector, c: Vector) -> Vector:
             located = Located(self.tree, self.constants, q, c)
-            K = self._stiffness(root, PartsAtTool(located, self.constants, c))
-            factors = factor(K)
-            share = smallest(list(factors.shares[1:]))
-            return vector([*lower_triangle(factors.inverse()), share])
+            held = self._held(root, PartsAtTool(located, self.constants, c))
+            k = factor(held.stiffness).inverse()
+            shares = [reciprocal(multiply(k[i, i], held.scale[i])) for i in range(6)]
+            return vector([*lower_triangle(k), smallest(shares)])
 
         elastic = tuple(
             (joint.name, joint.freedoms, tuple(np.isfinite(joint.stiffness)))
@@ -113,17 +126,18 @@ class Composition:
             (self.tree.topology, root, elastic),
         )
 
-    def _stiffness(self, part: Part, parts: PartsAtTool) -> Matrix:
-        """Return the stiffness (6, 6) of a part, positive semi-definite."""
+    def _held(self, part: Part, parts: PartsAtTool) -> _Held:
+        """Return the stiffness of a part."""
         if isinstance(part, Parallel):
-            total = zeros(6, 6)
+            K, scale = zeros(6, 6), zeros(6)
             for branch in part.parts:
-                total = plus(total, self._stiffness(branch, parts))
-            return total
+                held = self._held(branch, parts)
+                K, scale = plus(K, held.stiffness), plus(scale, held.scale)
+            return _Held(K, scale)
         chain = _Chain()
         for p in part.parts if isinstance(part, Series) else (part,):
             self._append(chain, p, parts)
-        return _stiffness_of_chain(chain, parts.length)
+        return _held_by_chain(chain, parts.length)
 
     def _append(self, chain: _Chain, part: Part, parts: PartsAtTool) -> None:
         if isinstance(part, LinkPart):
@@ -134,26 +148,37 @@ class Composition:
                 passive = loose.direction.freedom is Freedom.PASSIVE
                 (chain.passive if passive else chain.soft).append(loose)
         else:
-            chain.groups.append(self._stiffness(part, parts))
+            chain.groups.append(self._held(part, parts))
 
 
-def _stiffness_of_chain(chain: _Chain, length: Scalar) -> Matrix:
-    passive = [loose.twist for loose in chain.passive]
+def _held_by_chain(chain: _Chain, length: Scalar) -> _Held:
     if chain.groups and chain.compliance is None:
-        # Nothing but joints beside the groups: each of them softens what the groups hold.
-        K, *others = chain.groups
-        for group in others:
-            K = series(K, group)
-        for soft in chain.soft:
-            K = soften(K, soft.twist, soft.compliance)
-        return release(K, passive, semidefinite=True)
+        return _held_by_groups(chain)
     S = chain.compliance if chain.compliance is not None else _padding(chain, length)
     for soft in chain.soft:
         S = outer_sum(S, soft.twist, soft.compliance)
     K = factor(S).inverse()
+    scale = _diagonal(K)
     for group in chain.groups:
-        K = series(group, K)
-    return release(K, passive, semidefinite=bool(chain.groups))
+        K = series(group.stiffness, K, plus(scale, group.scale))
+    passive = [loose.twist for loose in chain.passive]
+    return _Held(release(K, passive, scale=scale if chain.groups else None), scale)
+
+
+def _held_by_groups(chain: _Chain) -> _Held:
+    """Return the stiffness of groups with nothing but joints beside them, which soften it."""
+    first, *others = chain.groups
+    K, scale = first.stiffness, first.scale
+    for group in others:
+        scale = plus(scale, group.scale)
+        K = series(K, group.stiffness, scale)
+    for soft in chain.soft:
+        K = soften(K, soft.twist, soft.compliance)
+    return _Held(release(K, [loose.twist for loose in chain.passive], scale=scale), scale)
+
+
+def _diagonal(K: Matrix) -> Vector:
+    return vector(K[i, i] for i in range(K.shape[0]))
 
 
 def _padding(chain: _Chain, length: Scalar) -> Matrix:

@@ -84,7 +84,7 @@ class SimplifiedModel:
                 k = outer_sum(k, J[:, column], drive)
             return vector([*lower_triangle(k), leverage, *J.ravel()])
 
-        topology = (loops.tree.topology, tuple(self.drive_names))
+        topology = (loops.topology, tuple(self.drive_names))
         return Kernel("jacobian", compliance, loops.n_unknowns, self.constants, topology)
 
 

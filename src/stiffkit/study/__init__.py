@@ -2,14 +2,28 @@
 
 from stiffkit.study.analysis import Analysis
 from stiffkit.study.map import map_workspace
+from stiffkit.study.modes import (
+    MODELS_OF_VIBRATION,
+    Mode,
+    ModesResult,
+    VibrationModel,
+    analyse_modes,
+)
 from stiffkit.study.pose import PoseResult, analyse_pose
-from stiffkit.study.store import open_map, whole_directory, write_dataset
+from stiffkit.study.store import MAP, MODES, open_map, whole_directory, write_dataset
 from stiffkit.study.summary import Summary, summarise
 
 __all__ = [
+    "MAP",
+    "MODELS_OF_VIBRATION",
+    "MODES",
     "Analysis",
+    "Mode",
+    "ModesResult",
     "PoseResult",
     "Summary",
+    "VibrationModel",
+    "analyse_modes",
     "analyse_pose",
     "map_workspace",
     "open_map",

@@ -52,11 +52,11 @@ class PoseResult:
             "model": self.model,
             "status": self.status.word,
             "reason": self.reason or None,
-            "tool": dict(zip(DIRECTIONS, _plain(self.tool), strict=True)),
-            "joints": {name: _plain(value) for name, value in self.joints.items()},
-            "compliance": _plain(self.compliance),
-            "stiffness": _plain(self.stiffness),
-            "deflections": {name: _plain(d) for name, d in self.deflections.items()},
+            "tool": dict(zip(DIRECTIONS, plain(self.tool), strict=True)),
+            "joints": {name: plain(value) for name, value in self.joints.items()},
+            "compliance": plain(self.compliance),
+            "stiffness": plain(self.stiffness),
+            "deflections": {name: plain(d) for name, d in self.deflections.items()},
             "translational_stiffness": _axes(self.translation),
             "rotational_stiffness": _axes(self.rotation),
             "free_motions": list(self.free_motions),
@@ -69,18 +69,19 @@ class PoseResult:
         }
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
+    """Return numbers or arrays as plain data for JSON; what is not finite is None."""
     if value is None:
         return None
     if isinstance(value, np.ndarray):
-        return [_plain(x) for x in value]
+        return [plain(x) for x in value]
     return float(value) if np.isfinite(value) else None
 
 
 def _axes(axes: PrincipalAxes | None) -> dict[str, Any] | None:
     if axes is None:
         return None
-    return {"values": _plain(axes.stiffness), "directions": _plain(axes.directions.T)}
+    return {"values": plain(axes.stiffness), "directions": plain(axes.directions.T)}
 
 
 def analyse_pose(
@@ -128,7 +129,8 @@ def analyse_pose(
     )
 
 
-def _unreachable(analysis: Analysis, model: Model, at: Mapping[str, float]) -> PoseResult:
+def out_of_reach(analysis: Analysis, at: Mapping[str, float]) -> str:
+    """Return in words that the tool coordinates ``at`` (m, rad) cannot be reached."""
     kinematics = analysis.kinematics
     home = kinematics.home.tool[:, 0]
     asked = ", ".join(
@@ -136,13 +138,17 @@ def _unreachable(analysis: Analysis, model: Model, at: Mapping[str, float]) -> P
         f" {'rad' if d.startswith('r') else 'm'}"
         for d in kinematics.asked
     )
+    return f"the assembly mode of the home posture does not reach {asked}"
+
+
+def _unreachable(analysis: Analysis, model: Model, at: Mapping[str, float]) -> PoseResult:
     return PoseResult(
         robot=analysis.robot.name,
         model=model,
         status=Status.UNREACHABLE,
-        reason=f"the assembly mode of the home posture does not reach {asked}",
+        reason=out_of_reach(analysis, at),
         tool=np.full(6, np.nan),
-        joints=dict.fromkeys(kinematics.joint_names, float("nan")),
+        joints=dict.fromkeys(analysis.kinematics.joint_names, float("nan")),
         compliance=None,
         stiffness=None,
         deflections={},

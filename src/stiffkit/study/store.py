@@ -6,6 +6,7 @@ import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,8 +19,21 @@ LARGE = 200_000_000
 """Bytes above which a dataset is stored as Zarr instead of NetCDF."""
 
 _DATASETS = ("map.nc", "map.zarr")
-_OTHERS = ("figures", "report.html")
-"""What a map writes beside its dataset."""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What a kind of results is made of on disk."""
+
+    word: str
+    marks: tuple[str, ...]
+    """Names of which one is there wherever such results are."""
+    others: tuple[str, ...]
+    """Names beside it, which somebody else might use too."""
+
+
+MAP = Kind("map", _DATASETS, ("figures", "report.html"))
+MODES = Kind("study of modes", ("modes.html",), ("modes",))
 
 
 def dataset_name(dataset: xr.Dataset) -> str:
@@ -57,20 +71,20 @@ def open_map(path: str | Path) -> xr.Dataset:
 
 
 @contextmanager
-def whole_directory(target: Path) -> Iterator[Path]:
+def whole_directory(target: Path, kind: Kind = MAP) -> Iterator[Path]:
     """Give a directory to write in, whose content appears in ``target`` only when all is done.
 
-    Whatever is interrupted leaves ``target`` as it was. The results of an earlier map there are
+    Whatever is interrupted leaves ``target`` as it was. Earlier results of the same kind there are
     replaced, all other files are kept. Raises OutputError if ``target`` cannot be written, or if
-    something that is no result of a map would be replaced.
+    something that is no such result would be replaced.
     """
     target = Path(target)
     with _told(target, "choose another directory with -o"):
-        _check_place(target)
+        _check_place(target, kind)
         is_new = not target.exists()
         target.parent.mkdir(parents=True, exist_ok=True)
-        # Beside a new target or inside an old one: always on the file system of the target, which
-        # may be a mounted one, and never in a directory that only its owner may write to.
+        # Beside a new target, inside an old one: an old one may be a mounted file system, or the
+        # only directory here that the user may write to.
         work = Path(
             tempfile.mkdtemp(
                 prefix=f".{target.name}." if is_new else ".map.",
@@ -86,7 +100,7 @@ def whole_directory(target: Path) -> Iterator[Path]:
             if is_new and not target.exists():
                 results.rename(target)
             else:
-                _replace_items(results, target, aside=work)
+                _replace_items(results, target, kind, aside=work)
     finally:
         shutil.rmtree(work, ignore_errors=True)
 
@@ -102,29 +116,29 @@ def _told(target: Path, mend: str) -> Iterator[None]:
         ) from error
 
 
-def _check_place(target: Path) -> None:
-    """Raise OutputError where a map must not be written."""
+def _check_place(target: Path, kind: Kind) -> None:
+    """Raise OutputError where results must not be written."""
     above = next(path for path in (target, *target.parents) if path.exists())
     if not above.is_dir():
         raise OutputError(
             f"{target} cannot be written: {above} is not a directory",
             mend="choose another directory with -o",
         )
-    theirs = [target / name for name in _OTHERS if (target / name).exists()]
-    if theirs and not any((target / name).exists() for name in _DATASETS):
+    theirs = [target / name for name in kind.others if (target / name).exists()]
+    if theirs and not any((target / name).exists() for name in kind.marks):
         raise OutputError(
-            f"{theirs[0]} is there already and is not of an earlier map",
+            f"{theirs[0]} is there already and is not of an earlier {kind.word}",
             mend="choose another directory with -o",
         )
 
 
-def _replace_items(results: Path, target: Path, aside: Path) -> None:
+def _replace_items(results: Path, target: Path, kind: Kind, aside: Path) -> None:
     """Move results into a directory, and what they replace aside; all of them or none."""
     old = aside / "old"
     old.mkdir()
     new = sorted(path.name for path in results.iterdir())
-    # A dataset of the other kind would be taken for that of the new map.
-    replaced = [name for name in {*new, *_DATASETS} if (target / name).exists()]
+    # A dataset in the other format would be taken for that of the new map.
+    replaced = [name for name in {*new, *kind.marks} if (target / name).exists()]
     with ExitStack() as undo:
         for name, source, destination in (
             *((name, target, old) for name in replaced),

@@ -1,6 +1,36 @@
 """Natural frequencies and mode shapes of postures."""
 
 from stiffkit.vibration.bodies import Bodies, Discretisation, make_bodies
+from stiffkit.vibration.drawing import (
+    SHOWN,
+    JointDrawing,
+    LinkDrawing,
+    ModesDrawing,
+    Path,
+    draw_modes,
+)
 from stiffkit.vibration.modes import ModalModel, Modes
+from stiffkit.vibration.simplified import (
+    platform_mass,
+    simplified_frequencies,
+    simplified_modes,
+)
+from stiffkit.vibration.words import describe_mode
 
-__all__ = ["Bodies", "Discretisation", "ModalModel", "Modes", "make_bodies"]
+__all__ = [
+    "SHOWN",
+    "Bodies",
+    "Discretisation",
+    "JointDrawing",
+    "LinkDrawing",
+    "ModalModel",
+    "Modes",
+    "ModesDrawing",
+    "Path",
+    "describe_mode",
+    "draw_modes",
+    "make_bodies",
+    "platform_mass",
+    "simplified_frequencies",
+    "simplified_modes",
+]

@@ -120,7 +120,7 @@ class ModalModel:
         held, free = roots @ motions.held, roots @ motions.free
         if free.size:
             # Free motions with mass go along so that no momentum is left over.
-            follow = -np.linalg.pinv(free, rcond=1e-10) @ held
+            follow = -_inverse_of_massive(free, float(np.linalg.norm(roots))) @ held
             held = held + free @ follow
         else:
             follow = np.zeros((motions.free.shape[1], motions.held.shape[1]))
@@ -129,9 +129,9 @@ class ModalModel:
         half = np.linalg.solve(R.T, held.T).T
         _, singular, Vt = np.linalg.svd(half, full_matrices=False)
         kept = singular > np.sqrt(_MASSLESS) * (singular[0] if singular.size else 1.0)
-        singular, Vt = singular[kept], Vt[kept]
+        singular, Vt = np.asarray(singular[kept]), np.asarray(Vt[kept])
         of_tool = at.tool @ (motions.held + motions.free @ follow)
-        Vt = _settled(singular, Vt, np.linalg.solve(R.T, of_tool.T).T)
+        Vt = _settled(singular, Vt, np.asarray(np.linalg.solve(R.T, of_tool.T).T))
         n_existing = singular.size
         singular, Vt = singular[:n], Vt[:n]
         s = np.linalg.solve(R, Vt.T) / singular
@@ -182,8 +182,15 @@ class ModalModel:
         return {name: value / total for name, value in ranked}
 
 
+def _inverse_of_massive(free: Array, scale: float) -> Array:
+    """Return the pseudo-inverse of ``free`` (m, k) without what is rounding beside ``scale``."""
+    size = float(np.linalg.norm(free))
+    # Idle motions may have no mass at all: then there is nothing to invert but rounding.
+    return np.asarray(np.linalg.pinv(free, rcond=1e-10 * scale / size if size else 1.0))
+
+
 def _settled(singular: Array, Vt: Array, tool: Array) -> Array:
-    """Return the rows of ``Vt`` (n, m), turned where frequencies are equal.
+    """Return the rows of ``Vt`` (n, m), turned where frequencies are equal, with settled signs.
 
     Any mixture of modes of one frequency is a mode. Of theirs the first is made the one that alone
     moves the tool (6, m) along x, and so on, so that modes of symmetric robots are what one expects
@@ -198,7 +205,9 @@ def _settled(singular: Array, Vt: Array, tool: Array) -> Array:
             telling = sizes > 1e-3 * sizes.max()
             Q, _ = np.linalg.qr(twists[telling].T, mode="complete")
             settled[start:end] = Q.T @ Vt[start:end]
-    return settled
+    twists = tool @ settled.T
+    largest = twists[np.argmax(np.abs(twists), axis=0), np.arange(settled.shape[0])]
+    return np.where(largest < 0.0, -1.0, 1.0)[:, None] * settled
 
 
 def _at_body(placed: Array) -> Array:

@@ -1,0 +1,134 @@
+"""The modes of a posture as one animated page that needs nothing but a browser."""
+
+from __future__ import annotations
+
+from html import escape
+from pathlib import Path
+from string import Template
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiffkit import __version__
+from stiffkit.errors import OutputError
+from stiffkit.report.page import asset, inline_script
+from stiffkit.report.payload import json_for_script
+from stiffkit.report.tables import bullet_list, pair_table
+from stiffkit.robot import DIRECTIONS
+from stiffkit.study import ModesResult
+from stiffkit.vibration import SHOWN, ModesDrawing
+from stiffkit.vibration import Path as Line
+
+Array = NDArray[np.float64]
+
+_DIGITS = 6
+"""Of lengths in metres: micrometres, far below what a screen shows."""
+
+_ENERGIES = 8
+"""Links and joints that are listed for each mode, at most."""
+
+
+def write_modes_page(result: ModesResult, path: Path) -> None:
+    """Write the modes of a posture as one self-contained animated page.
+
+    The page makes no request to any other place. Raises OutputError if there is no mode to show, or
+    if the page cannot be written.
+    """
+    if result.drawing is None:
+        raise OutputError(
+            f"{result.robot} has no mode to draw there",
+            mend="look at what the command says without -o",
+        )
+    try:
+        path.write_text(_page(result, result.drawing), encoding="utf-8")
+    except OSError as error:
+        raise OutputError(
+            f"cannot write the page {path}: {error.strerror or error}",
+            mend="give a file in a folder that exists and that you may write to",
+        ) from error
+
+
+def _page(result: ModesResult, drawing: ModesDrawing) -> str:
+    return Template(asset("modes.html")).substitute(
+        title=escape(result.title or result.robot),
+        scope=escape(f"{result.model.capitalize()} model, tool at {_pose_words(result.tool)}."),
+        version=escape(__version__),
+        style=asset("page.css") + asset("modes.css"),
+        shown=round(100 * SHOWN),
+        free_motions=bullet_list(
+            [*result.free_motions, *result.idle_motions],
+            otherwise="None: with all drives held, nothing moves without deforming.",
+        ),
+        notes=bullet_list(result.notes, otherwise="None."),
+        provenance=pair_table(
+            [
+                ("Tool", f"stiffkit {__version__}"),
+                ("Robot", result.robot),
+                ("Model", result.model),
+                ("Elastic modes in all", str(result.n_existing)),
+            ]
+        ),
+        rules=pair_table(list(result.rules.items()), otherwise="None."),
+        data=json_for_script(_payload(result, drawing)),
+        script=inline_script(asset("modes.js")),
+    )
+
+
+def _pose_words(tool: Array) -> str:
+    words = []
+    for name, value in zip(DIRECTIONS, tool, strict=True):
+        turns = name.startswith("r")
+        shown = float(np.degrees(value)) if turns else 1e3 * float(value)
+        if not turns or abs(shown) > 1e-6:
+            words.append(f"{name} = {round(shown, 6) + 0.0:.6g} {'deg' if turns else 'mm'}")
+    return ", ".join(words)
+
+
+def _payload(result: ModesResult, drawing: ModesDrawing) -> dict[str, Any]:
+    """Return what the page's script draws; lengths in metres."""
+    lines = [
+        _line(path, "elastic" if link.elastic else "rigid")
+        for link in drawing.links
+        for path in link.paths
+    ]
+    lines += [
+        _line(joint.guide, "guide" if joint.grounded else "rigid")
+        for joint in drawing.joints
+        if joint.guide is not None
+    ]
+    return {
+        "lines": lines,
+        "joints": [
+            {
+                "at": _numbers(joint.position),
+                "moved": _numbers(joint.moved),
+                "driven": joint.driven,
+                "grounded": joint.grounded,
+            }
+            for joint in drawing.joints
+        ],
+        "base": [_numbers(line) for line in drawing.base],
+        "tool": {"at": _numbers(drawing.tool), "moved": _numbers(drawing.tool_moved)},
+        "low": _numbers(drawing.low),
+        "high": _numbers(drawing.high),
+        "size": drawing.size,
+        "shown": SHOWN,
+        "modes": [
+            {
+                "frequency": f"{mode.frequency_hz:.4g}",
+                "words": mode.description,
+                "energy": list(mode.energy_shares.items())[:_ENERGIES],
+                "view": "".join("xyz"[i] for i in drawing.plane(k) or ()) or "space",
+            }
+            for k, mode in enumerate(result.modes)
+        ],
+    }
+
+
+def _line(path: Line, kind: str) -> dict[str, Any]:
+    return {"kind": kind, "rest": _numbers(path.rest), "moved": _numbers(path.moved)}
+
+
+def _numbers(values: Array) -> Any:
+    return (np.round(values, _DIGITS) + 0.0).tolist()
