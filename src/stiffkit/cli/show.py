@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from textwrap import wrap
+from textwrap import fill, wrap
 from typing import TYPE_CHECKING
 
 import click
@@ -84,8 +84,12 @@ def show_modes(result: ModesResult) -> None:
         click.echo(f"idle        {motion}")
     if result.rules:
         heading("masses")
+    alike: dict[str, list[str]] = {}
     for name, rule in result.rules.items():
-        click.echo(f"  {name:<16} {rule}")
+        alike.setdefault(rule, []).append(name)
+    for rule, names in alike.items():
+        text = f"{', '.join(names)}: {rule}"
+        click.echo(fill(text, 98, initial_indent="  ", subsequent_indent="    "))
     for note in result.notes:
         click.echo(click.style("note: ", fg="yellow", bold=True) + note)
 

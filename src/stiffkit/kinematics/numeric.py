@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg.lapack import dtrcon
+from threadpoolctl import ThreadpoolController
 
 from stiffkit.kinematics.closure import ClosureEquations
 from stiffkit.smallmat import as_objects
@@ -30,6 +34,21 @@ class NumericEquations:
     """(m, n), unit-free."""
 
 
+@cache
+def _blas() -> ThreadpoolController:
+    return ThreadpoolController()
+
+
+def one_thread() -> AbstractContextManager[object]:
+    """Return a context in which linear algebra runs on one thread.
+
+    On matrices of a hundred rows threads gain nothing, and lose a factor of ten where other
+    processes want the cores too.
+    """
+    limits: AbstractContextManager[object] = _blas().limit(limits=1, user_api="blas")
+    return limits
+
+
 def evaluate(closure: ClosureEquations, unknowns: Array, asked: Array) -> NumericEquations:
     """Return the equations at unknowns (n,) and tool coordinates asked for (m,), both SI."""
     inputs = as_objects(np.concatenate([unknowns, asked]))
@@ -41,10 +60,22 @@ def evaluate(closure: ClosureEquations, unknowns: Array, asked: Array) -> Numeri
 
 def null_space(A: Array) -> Array:
     """Return an orthonormal basis (n, k) of the null space of A (m, n)."""
-    if A.shape[0] == 0:
-        return np.eye(A.shape[1])
+    m, n = A.shape
+    if m == 0:
+        return np.eye(n)
+    # A QR factorisation costs a fraction of the singular values, which are looked at only where the
+    # triangle's condition leaves the rank in doubt.
+    Q, R = np.linalg.qr(A.T if m < n else A, mode="complete" if m < n else "reduced")
+    if _surely_regular(R[: min(m, n)]):
+        return np.asarray(Q[:, m:]) if m < n else np.zeros((n, 0))
     _, values, Vt = np.linalg.svd(A)
     return np.asarray(Vt[rank_of(values) :].T)
+
+
+def _surely_regular(R: Array) -> bool:
+    """Tell whether an upper triangular matrix is far from singular."""
+    reciprocal_condition, _ = dtrcon(R)
+    return bool(reciprocal_condition > 100.0 * RANK_TOLERANCE)
 
 
 def rank_of(singular_values: Array) -> int:

@@ -53,8 +53,7 @@ class Motions:
 
     def factor(self) -> Array:
         """Return R (m, m), upper triangular: held motions ``held s`` have the energy |R s|^2/2."""
-        _, R = np.linalg.qr(self.at.energy @ self.held)
-        return np.asarray(R)
+        return np.asarray(np.linalg.qr(self.at.energy @ self.held, mode="r"))
 
     def free_motions(self, length: float) -> tuple[tuple[FreeMotion, ...], tuple[FreeMotion, ...]]:
         """Return the free motions that move the tool, and the idle ones that do not.

@@ -78,6 +78,7 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
                 "Rotational stiffness, strongest axis",
                 Kind.ROTATIONAL_STIFFNESS,
             ),
+            _stiffness("frequency_first", "Lowest natural frequency", Kind.FREQUENCY),
         )
     }
 )
@@ -111,5 +112,6 @@ def main_quantities(dataset: xr.Dataset, *, planar: bool) -> tuple[Quantity, ...
     robot has one deflection.
     """
     deflections = ("deflection_xy", "deflection_z") if planar else ("deflection_translation",)
-    wanted = (*deflections, "stiffness_translation_min", "stiffness_rotation_min")
+    stiffnesses = ("stiffness_translation_min", "stiffness_rotation_min")
+    wanted = (*deflections, *stiffnesses, "frequency_first")
     return tuple(QUANTITIES[name] for name in wanted if name in dataset)

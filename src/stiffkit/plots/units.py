@@ -21,6 +21,7 @@ class Kind(Enum):
     ROTATION = "rotation"
     STIFFNESS = "stiffness"
     ROTATIONAL_STIFFNESS = "rotational stiffness"
+    FREQUENCY = "frequency"
     RATIO = "ratio"
 
 
@@ -74,6 +75,7 @@ _LADDERS: dict[Kind, tuple[DisplayUnit, ...]] = {
         DisplayUnit("MN m/rad", 1e6),
         DisplayUnit("GN m/rad", 1e9),
     ),
+    Kind.FREQUENCY: (DisplayUnit("Hz", 1.0), DisplayUnit("kHz", 1e3)),
     Kind.RATIO: (DisplayUnit("", 1.0),),
 }
 """For each kind its units, smallest first."""

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from stiffkit.compiled import Backend
 from stiffkit.kinematics import SpanningTree
-from stiffkit.kinematics.numeric import null_space, rank
+from stiffkit.kinematics.numeric import null_space, one_thread, rank
 from stiffkit.network import CoordinatesAtPosture, FreeMotion, Model, Motions, NetworkCoordinates
 
 Array = NDArray[np.float64]
@@ -59,7 +59,9 @@ class Assembly:
     def at_each(self, q: Array) -> Iterator[AssembledCompliance]:
         """Yield compliance and free motions at each of the coordinates (n, N) of the tree, SI."""
         for at in self.coordinates.at_each(q):
-            yield self._solve(at)
+            with one_thread():
+                solved = self._solve(at)
+            yield solved
 
     def _solve(self, at: CoordinatesAtPosture) -> AssembledCompliance:
         motions = Motions.of(at)

@@ -20,10 +20,12 @@ from stiffkit.stiffness import (
     Model,
     deflection,
     entry,
+    lower_triangles,
     rotational_stiffness,
     translational_stiffness,
 )
 from stiffkit.study.analysis import Analysis
+from stiffkit.study.frequencies import MOST_POSTURES, N_MODES, has_mass, map_frequencies
 from stiffkit.study.grid import PoseGrid, pose_grid
 
 if TYPE_CHECKING:
@@ -46,12 +48,15 @@ def map_workspace(
     *,
     points: int | None = None,
     models: Sequence[Model] = MODELS,
+    frequencies: bool | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Return the stiffness map of a robot's workspace.
 
     The sweep dimensions are the workspace's tool coordinates, or "point" for a list of points; all
-    values are SI, each variable has the attributes ``units`` and ``long_name``. Raises PoseError
+    values are SI, each variable has the attributes ``units`` and ``long_name``. Natural
+    ``frequencies`` are among them if the robot has mass and the map is not too large for it (see
+    `stiffkit.study.frequencies.MOST_POSTURES`), unless asked for or refused. Raises PoseError
     if the workspace is over coordinates in which the tool cannot move independently.
     """
     report = progress or (lambda _what, _share: None)
@@ -70,8 +75,13 @@ def map_workspace(
             found = stiffness.at(postures.part(block))
             quantities.fill(m, block, found, loads)
     quantities.status[:, ~grid.inside] = Status.OUTSIDE
+    dataset = _dataset(analysis, grid, postures, quantities, models)
+    wanted = len(postures) <= MOST_POSTURES if frequencies is None else frequencies
+    if wanted and has_mass(analysis):
+        report("natural frequencies", 0.9)
+        _add_frequencies(dataset, analysis, grid, postures, quantities, models)
     report("done", 1.0)
-    return _dataset(analysis, grid, postures, quantities, models)
+    return dataset
 
 
 def _postures(analysis: Analysis, grid: PoseGrid) -> Postures:
@@ -200,6 +210,32 @@ def _dataset(
         dims = ("point",) if grid.listed else (name,)
         coordinates[name] = (dims, values, {"units": unit, "long_name": f"tool coordinate {name}"})
     return xr.Dataset(data, coordinates, _attributes(analysis, models))
+
+
+def _add_frequencies(
+    dataset: xr.Dataset,
+    analysis: Analysis,
+    grid: PoseGrid,
+    postures: Postures,
+    quantities: _Quantities,
+    models: Sequence[Model],
+) -> None:
+    simplified = [m for m, name in enumerate(models) if name == "simplified"]
+    lower = lower_triangles(quantities.compliance[simplified[0]]) if simplified else np.empty(0)
+    found = map_frequencies(analysis, postures, quantities.status, lower, models)
+    shaped = found.values.reshape(*found.values.shape[:-1], *grid.shape)
+    about = {"units": "Hz", "method": found.method}
+    dataset.coords["mode"] = np.arange(1, N_MODES + 1)
+    dataset["frequency"] = (
+        ("model", "mode", *grid.dims),
+        shaped,
+        about | {"long_name": "natural frequency"},
+    )
+    dataset["frequency_first"] = (
+        ("model", *grid.dims),
+        shaped[:, 0],
+        about | {"long_name": "lowest natural frequency"},
+    )
 
 
 def _attributes(analysis: Analysis, models: Sequence[Model]) -> dict[str, Any]:

@@ -9,6 +9,7 @@ from stiffkit.vibration.drawing import (
     Path,
     draw_modes,
 )
+from stiffkit.vibration.fast import FastModes
 from stiffkit.vibration.modes import ModalModel, Modes
 from stiffkit.vibration.simplified import (
     platform_mass,
@@ -21,6 +22,7 @@ __all__ = [
     "SHOWN",
     "Bodies",
     "Discretisation",
+    "FastModes",
     "JointDrawing",
     "LinkDrawing",
     "ModalModel",

@@ -199,7 +199,7 @@ class _Pen:
         return found
 
     def _rigid_paths(self, link: Link, points: list[Array]) -> list[Path]:
-        """Return the outline of a rigid link, and spokes and a stem to the tool if it carries it."""
+        """Return the outline of a rigid link, with spokes and a stem if it carries the tool."""
         lines = outline(points, self._tolerance)
         if self.robot.tool.body == link.name:
             tool = self.places.tool.position

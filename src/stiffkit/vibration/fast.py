@@ -18,15 +18,20 @@ from stiffkit.vibration.reduced import Basis, ReducedKernel
 
 Array = NDArray[np.float64]
 
-TOLERANCE = 5e-5
+TOLERANCE = 2e-5
 """Largest relative error of a frequency at the postures that the basis is checked at."""
 
 _SPARE_MODES = 2
 """Modes beyond those asked for that the basis is made from."""
-_BATCH = 8
-"""Postures by which basis and check grow."""
-_LARGEST = 28
+_TRAINING = 10
+"""Postures by which what the basis is made from grows."""
+_CHECKED = 16
+"""Postures that the basis is checked at."""
+_CANDIDATES = 2000
+"""Postures among which those are chosen."""
+_LARGEST = 30
 """Vectors of a basis beyond which the full model is the better way."""
+_ROUNDS = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,16 +65,19 @@ class FastModes:
         self.full = full
         self.n = n
         self._backend = backend
-        order = np.random.default_rng(0).permutation(samples.shape[1])
-        batches = [order[i : i + _BATCH] for i in range(0, order.size, _BATCH)]
-        snapshots, _ = self._solve(samples[:, batches[0]])
+        rng = np.random.default_rng(0)
+        candidates = samples[:, rng.permutation(samples.shape[1])[:_CANDIDATES]]
+        check = candidates[:, :_CHECKED]
+        exact = self._solve(check)[1]
+        training = candidates[:, _far_apart(candidates, _ROUNDS * _TRAINING)]
+        snapshots = np.zeros((0, 0))
         self.trust = Trust(0, np.inf, 0)
-        for batch in batches[1:] or batches:
-            fresh, exact = self._solve(samples[:, batch])
-            self._fit(snapshots, samples[:, batch], exact)
-            if self.trust.good or self.trust.size >= _LARGEST:
+        for start in range(0, training.shape[1], _TRAINING):
+            fresh, _ = self._solve(training[:, start : start + _TRAINING])
+            snapshots = np.hstack([snapshots, fresh]) if snapshots.size else fresh
+            self._fit(snapshots, check, exact)
+            if self.trust.good:
                 break
-            snapshots = np.hstack([snapshots, fresh])
 
     def _solve(self, q: Array) -> tuple[Array, Array]:
         """Return snapshots (n_energy, k) of unit energy, and frequencies (n, N); full model."""
@@ -87,11 +95,11 @@ class FastModes:
         """Choose the smallest basis that is good enough at postures q."""
         U, values, _ = np.linalg.svd(snapshots, full_matrices=False)
         most = min(int(np.sum(values > 1e-9 * values[0])), _LARGEST)
-        sizes = list(range(min(self.n + 4, most), most + 1, 2))
-        for size in sizes if sizes[-1:] == [most] else [*sizes, most]:
+        sizes = range(min(self.n + 4, most), most, 4)
+        for size in [*sizes, most]:
             self._use(self._basis(U[:, :size]))
-            with np.errstate(invalid="ignore"):
-                error = float(np.nanmax(np.abs(self.frequencies(q) / exact - 1.0)))
+            errors = np.abs(self.frequencies(q) / exact - 1.0)[np.isfinite(exact)]
+            error = float(errors.max()) if np.isfinite(errors).all() and errors.size else np.inf
             self.trust = Trust(size, error, q.shape[1])
             if self.trust.good:
                 return
@@ -174,6 +182,19 @@ class FastModes:
                         blocks[i][j] = U[start] / np.sqrt(joint.stiffness[direction.index])
                         start += 1
         return Basis(blocks)
+
+
+def _far_apart(q: Array, count: int) -> NDArray[np.intp]:
+    """Return indices of postures (n, N) that lie as far apart as can be, extremes first."""
+    spread = np.ptp(q, axis=1)
+    x = q[spread > 0.0] / spread[spread > 0.0, None]
+    distance = np.sum((x - x.mean(axis=1, keepdims=True)) ** 2, axis=0)
+    chosen: list[int] = []
+    for _ in range(min(count, q.shape[1])):
+        chosen.append(int(np.argmax(distance)))
+        to_chosen = np.sum((x - x[:, chosen[-1:]]) ** 2, axis=0)
+        distance = to_chosen if len(chosen) == 1 else np.minimum(distance, to_chosen)
+    return np.array(chosen)
 
 
 def _root_stiffness(compliance: Array | None) -> Array:

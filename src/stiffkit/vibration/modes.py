@@ -13,6 +13,7 @@ from scipy.linalg import eigh
 from stiffkit.compiled import Backend, BatchFunction, Constants, Kernel
 from stiffkit.kinematics import Located, SpanningTree
 from stiffkit.kinematics.locate import add_geometry
+from stiffkit.kinematics.numeric import one_thread
 from stiffkit.network import (
     CoordinatesAtPosture,
     FreeMotion,
@@ -112,7 +113,9 @@ class ModalModel:
         """Yield the modes at each of the coordinates (n, N) of the tree, SI."""
         frames = self._frames(q).T.reshape(q.shape[1], -1, 12)
         for at, placed in zip(self.coordinates.at_each(q), frames, strict=True):
-            yield self._solve(at, placed, n)
+            with one_thread():
+                solved = self._solve(at, placed, n)
+            yield solved
 
     def _solve(self, at: CoordinatesAtPosture, placed: Array, n: int | None) -> Modes:
         motions = Motions.of(at)

@@ -9,7 +9,7 @@ the compliances,
 
 so that only A, made of the joints' and links' places, depends on the posture. Passive directions
 enter with a compliance that is large but finite, whose energy is taken out again: the loops are
-closed exactly, and frequencies are Rayleigh quotients, never below those of the full model.
+closed exactly, and what comes out are the Rayleigh quotients of the full model on a subspace.
 """
 
 from __future__ import annotations
@@ -204,6 +204,7 @@ class _Posture:
         self._moved = [self._edge_motion(i) for i in range(len(edges))]
         self._flexibility = [self._edge_flexibility(i) for i in range(len(edges))]
         self._wrench = self._loop_wrenches()
+        self._steps = [self._closed_step(i) for i in range(len(edges))]
 
     def _read(self, name: str) -> Matrix:
         return self.model.constants.read(self.c, name)
@@ -312,12 +313,15 @@ class _Posture:
         """Return the twist (6, r) of a rigid cluster at the tool point, loops closed."""
         V = zeros(6, self.r)
         for i, sign in self.model._way[node].signs:
-            step = self._moved[i]
-            wrench = self._wrench[i]
-            if wrench is not None:
-                step = minus(step, matmul(self._flexibility[i], wrench))
-            V = plus(V, scale(sign, step))
+            V = plus(V, scale(sign, self._steps[i]))
         return V
+
+    def _closed_step(self, i: int) -> Matrix:
+        """Return what the basis does across an edge, loops closed: twists (6, r)."""
+        wrench = self._wrench[i]
+        if wrench is None:
+            return self._moved[i]
+        return minus(self._moved[i], matmul(self._flexibility[i], wrench))
 
     def mass(self) -> Matrix:
         """Return the reduced mass (r, r)."""
