@@ -25,7 +25,7 @@ Rng = np.random.Generator
 LENGTH = 0.5
 """Size of the mechanisms, m."""
 
-AXES_OF_KIND = {
+AXES_OF_KIND: dict[str, list[tuple[str, ...]]] = {
     "fixed": [()],
     "revolute": [("x",), ("y",), ("z",)],
     "prismatic": [("x",), ("y",), ("z",)],

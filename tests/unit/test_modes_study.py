@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 from stiffkit.errors import LinkError, PoseError
 from stiffkit.kinematics import Status
 from stiffkit.robot import Robot, load_robot
-from stiffkit.study import Analysis, ModesResult, analyse_modes
+from stiffkit.study import Analysis, ModesResult, VibrationModel, analyse_modes
 from stiffkit.vibration.words import describe_energy, describe_tool, direction_words
 
 CANTILEVER = """\
@@ -188,11 +189,18 @@ def test_the_platform_is_all_that_is_fixed_to_the_tool(tmp_path: Path) -> None:
     assert analyse_modes(grips, model="simplified").frequencies_hz == pytest.approx(expected)
 
 
+@pytest.mark.parametrize("model", ["refined", "lumped"])
+def test_a_link_with_mass_and_no_inertia_vibrates(model: VibrationModel) -> None:
+    robot = load_robot("biglide")
+    slim = replace(robot.links["leg_2"], inertia=None)
+    result = analyse_modes(replace(robot, links={**robot.links, "leg_2": slim}), model=model)
+    assert result.frequencies_hz[:2] == pytest.approx([97.6, 134.0], abs=0.2)
+
+
 @pytest.mark.parametrize("model", ["refined", "simplified"])
-def test_no_mass_is_an_error(tmp_path: Path, model: str) -> None:
-    massless = arms(tmp_path, tool="")
+def test_no_mass_is_an_error(tmp_path: Path, model: VibrationModel) -> None:
     with pytest.raises(LinkError, match="no mass") as told:
-        analyse_modes(massless, model="simplified" if model == "simplified" else "refined")
+        analyse_modes(arms(tmp_path, tool=""), model=model)
     assert "mass: 5 kg" in told.value.mend
 
 

@@ -10,6 +10,9 @@ from scipy.linalg import eigh
 from stiffkit.link.line import Line
 from stiffkit.spatial.rotation import Array, skew
 
+_MASSLESS = 1e-12
+"""Modes whose squared period is below this share of the longest one have no mass but rounding."""
+
 
 @dataclass(frozen=True, eq=False)
 class Superelement:
@@ -143,15 +146,26 @@ def _craig_bampton(
     ports = np.r_[0:6, K.shape[0] - 6 : K.shape[0]]
     inner = np.arange(6, K.shape[0] - 6)
     follow = -np.linalg.solve(K[np.ix_(inner, inner)], K[np.ix_(inner, ports)])
-    values, modes = eigh(K[np.ix_(inner, inner)], M[np.ix_(inner, inner)])
-    kept = slice(0, n_modes)
-    values, modes = values[kept], modes[:, kept]
+    values, modes = _lowest_modes(K[np.ix_(inner, inner)], M[np.ix_(inner, inner)], n_modes)
     basis = np.zeros((K.shape[0], 12 + values.size))
     basis[ports, :12] = np.eye(12)
     basis[inner, :12] = follow
     basis[inner, 12:] = modes
     compliance = _piece_compliance(line, line.length)
     return Superelement(compliance, values, basis.T @ M @ basis, rule, stations, basis)
+
+
+def _lowest_modes(K: Array, M: Array, n: int | None) -> tuple[Array, Array]:
+    """Return squared angular frequencies (n,) and modes (m, n) of unit modal mass, lowest first.
+
+    M may be singular, as that of a line without moment of inertia about itself: what has no mass
+    has no mode.
+    """
+    # The stiffness is the definite one of the two; the eigenvalues are 1/omega^2.
+    inverses, modes = eigh(M, K)
+    massive = inverses > _MASSLESS * inverses.max(initial=0.0)
+    inverses, modes = inverses[massive][::-1][:n], modes[:, massive][:, ::-1][:, :n]
+    return 1.0 / inverses, modes / np.sqrt(inverses)
 
 
 def massless_superelement(compliance: Array) -> Superelement:

@@ -158,27 +158,35 @@ def _held_by_chain(chain: _Chain, length: Scalar) -> _Held:
     for soft in chain.soft:
         S = outer_sum(S, soft.twist, soft.compliance)
     K = factor(S).inverse()
-    scale = _diagonal(K)
+    held = _Held(K, vector(K[i, i] for i in range(6)))
     for group in chain.groups:
-        K = series(group.stiffness, K, plus(scale, group.scale))
+        held = _in_series(group, held)
     passive = [loose.twist for loose in chain.passive]
-    return _Held(release(K, passive, scale=scale if chain.groups else None), scale)
+    scale = held.scale if chain.groups else None
+    return _Held(release(held.stiffness, passive, scale=scale), held.scale)
 
 
 def _held_by_groups(chain: _Chain) -> _Held:
     """Return the stiffness of groups with nothing but joints beside them, which soften it."""
-    first, *others = chain.groups
-    K, scale = first.stiffness, first.scale
+    held, *others = chain.groups
     for group in others:
-        scale = plus(scale, group.scale)
-        K = series(K, group.stiffness, scale)
+        held = _in_series(held, group)
+    K = held.stiffness
     for soft in chain.soft:
         K = soften(K, soft.twist, soft.compliance)
-    return _Held(release(K, [loose.twist for loose in chain.passive], scale=scale), scale)
+    passive = [loose.twist for loose in chain.passive]
+    return _Held(release(K, passive, scale=held.scale), held.scale)
 
 
-def _diagonal(K: Matrix) -> Vector:
-    return vector(K[i, i] for i in range(K.shape[0]))
+def _in_series(first: _Held, second: _Held) -> _Held:
+    """Return two parts one behind the other; the free motions of the first stay free exactly."""
+    total = plus(first.scale, second.scale)
+    K = series(first.stiffness, second.stiffness, total)
+    scale = vector(
+        multiply(multiply(a, b), reciprocal(c))
+        for a, b, c in zip(first.scale, second.scale, total, strict=True)
+    )
+    return _Held(K, scale)
 
 
 def _padding(chain: _Chain, length: Scalar) -> Matrix:

@@ -90,7 +90,8 @@ class Stiffness:
         """Whether the tool has a free motion at ordinary postures, not at singular ones only."""
         if not self.at_home.free_motions:
             return False
-        return all(self.assembly.at(q).free_motions for q in self._neighbours_of_home())
+        around = self._neighbours_of_home()
+        return bool(around) and all(self.assembly.at(q).free_motions for q in around)
 
     def _neighbours_of_home(self) -> list[Array]:
         kinematics = self.kinematics

@@ -111,6 +111,9 @@ def analyse_pose(
     exact = stiffness.assembly.at(postures.coordinates[:, 0])
     tool = postures.tool[:, 0]
     free = tuple(analysis.words(motion, tool) for motion in exact.free_motions)
+    if status is Status.OK and free:
+        # So near to singular that only the more precise of the two ways sees it.
+        status = Status.SINGULAR
     k = exact.compliance if status is Status.OK else None
     return PoseResult(
         robot=analysis.robot.name,
