@@ -54,14 +54,15 @@ def evaluate(closure: ClosureEquations, unknowns: Array, asked: Array) -> Numeri
     inputs = as_objects(np.concatenate([unknowns, asked]))
     eq = closure.equations(inputs, as_objects(closure.constants.values))
     scales = np.where(closure.translates, closure.length, 1.0)
-    jacobian = np.array(eq.jacobian, dtype=float).reshape(-1, closure.n_unknowns)
-    return NumericEquations(np.array(eq.residuals, dtype=float), jacobian * scales)
+    residuals = np.array(eq.residuals, dtype=float)
+    jacobian = np.array(eq.jacobian, dtype=float).reshape(residuals.size, closure.n_unknowns)
+    return NumericEquations(residuals, jacobian * scales)
 
 
 def null_space(A: Array) -> Array:
     """Return an orthonormal basis (n, k) of the null space of A (m, n)."""
     m, n = A.shape
-    if m == 0:
+    if m == 0 or n == 0:
         return np.eye(n)
     # A QR factorisation costs a fraction of the singular values, which are looked at only where the
     # triangle's condition leaves the rank in doubt.

@@ -137,13 +137,14 @@ class Kinematics:
         parts = {t.joint.name: coordinates[t.coordinates] for t in self.tree.joints}
         for i, chord in enumerate(self.tree.chords, start=1):
             parts[chord.name] = joint_coordinates(chord, R[i], p[i])
-        joints = [parts[name] for name in self.robot.joints]
-        return Postures(
-            coordinates,
-            tool,
-            np.concatenate(joints) if joints else np.empty((0, coordinates.shape[1])),
-            np.isfinite(coordinates).all(axis=0) & np.isfinite(tool).all(axis=0),
-        )
+        parts_in_order = [parts[name] for name in self.robot.joints]
+        n = coordinates.shape[1]
+        joints = np.concatenate(parts_in_order) if parts_in_order else np.empty((0, n))
+        reached = np.isfinite(coordinates).all(axis=0)
+        # What is the same in all postures would have a value even where there is no posture.
+        tool[:, ~reached] = np.nan
+        joints[:, ~reached] = np.nan
+        return Postures(coordinates, tool, joints, reached)
 
     def solve(self, asked: Array, wanted: NDArray[np.bool_] | None = None) -> Postures:
         """Return the postures at tool coordinates (m, N) in the order of `asked`, SI.
