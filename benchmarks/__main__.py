@@ -9,7 +9,9 @@ import time
 from pathlib import Path
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
+from benchmarks import vibration
 from benchmarks.measure import process_seconds, seconds
 from benchmarks.postures import ROBOTS, measure
 from stiffkit.kinematics import Kinematics
@@ -23,6 +25,7 @@ def main() -> None:
     """Print all tables."""
     print(f"multiply-add on arrays of 1000: {_multiply_adds() / 1e9:.2f} G/s, one thread, NumPy\n")
     print_rates()
+    print_frequencies()
     print_map()
     print_commands()
 
@@ -49,6 +52,21 @@ def print_rates() -> None:
                 f"{r.robot:<15}{r.kernel:<14}{r.compiled / 1e3:>10.0f}{r.numpy / 1e3:>10.1f}"
                 f"{r.single / 1e3:>10.2f}{r.compiled / r.numpy:>16.0f}{r.compile_seconds:>12.2f}"
             )
+    print(flush=True)
+
+
+def print_frequencies() -> None:
+    """Print rates of the lowest natural frequencies."""
+    print("Lowest four natural frequencies, postures per second, one thread")
+    heads = ("robot", "basis", "fast", "dense", "unknowns", "fast/dense", "error")
+    print("{:<15}{:>7}{:>10}{:>10}{:>10}{:>12}{:>10}".format(*heads))
+    for name in ROBOTS:
+        with threadpool_limits(1):
+            r = vibration.measure(name)
+        print(
+            f"{r.robot:<15}{r.basis:>7}{r.fast:>10.0f}{r.dense:>10.1f}{r.unknowns:>10}"
+            f"{r.fast / r.dense:>12.0f}{r.error:>10.1e}"
+        )
     print(flush=True)
 
 

@@ -13,6 +13,7 @@ from typing import Literal
 
 import numpy as np
 from hypothesis import strategies as st
+from hypothesis.vendor.pretty import RepresentationPrinter
 from numpy.typing import NDArray
 
 from stiffkit.kinematics import SpanningTree
@@ -155,7 +156,7 @@ def random_stiffness(rng: Rng, direction: str) -> float:
 # Mechanisms.
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Mechanism:
     """A robot, and a posture at which its loops are closed."""
 
@@ -166,6 +167,19 @@ class Mechanism:
     """Coordinates of each joint."""
     legs: tuple[tuple[str, ...], ...] = ()
     """Names of the bodies and joints of each chain between base and platform."""
+
+    def __repr__(self) -> str:
+        """Return links and joints without their numbers."""
+        elastic = [n for n, link in self.robot.links.items() if link.compliance is not None]
+        joints = [
+            f"{j.name}: {j.kind} {''.join(j.axes)} {j.from_body} - {j.to_body}"
+            f" ({''.join(freedom.value[0] for freedom in j.freedoms)})"
+            for j in self.robot.joints.values()
+        ]
+        return "\n  ".join([f"elastic: {', '.join(elastic)}", *joints])
+
+    def _repr_pretty_(self, printer: RepresentationPrinter, _cycle: bool) -> None:
+        printer.text(repr(self))
 
     @property
     def tree(self) -> SpanningTree:

@@ -176,7 +176,7 @@ def test_backends_find_the_same_postures() -> None:
     robot = load_robot("hexapod-cubic")
     found = []
     for backend in ("numpy", "heyoka"):
-        kinematics = Kinematics(robot, backend=backend)  # type: ignore[arg-type]
+        kinematics = Kinematics(robot, backend=backend)
         found.append(kinematics.solve(asked + kinematics.home.tool))
     assert found[0].reached.all()
     assert found[0].joints == pytest.approx(found[1].joints, abs=1e-10)

@@ -140,7 +140,7 @@ class Kinematics:
         parts_in_order = [parts[name] for name in self.robot.joints]
         n = coordinates.shape[1]
         joints = np.concatenate(parts_in_order) if parts_in_order else np.empty((0, n))
-        reached = np.isfinite(coordinates).all(axis=0)
+        reached = np.asarray(np.isfinite(coordinates).all(axis=0))
         # What is the same in all postures would have a value even where there is no posture.
         tool[:, ~reached] = np.nan
         joints[:, ~reached] = np.nan

@@ -7,10 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stiffkit.kinematics.numeric import null_space, rank
+from stiffkit.kinematics.numeric import RANK_TOLERANCE, null_space
 from stiffkit.network.coordinates import CoordinatesAtPosture
 
 Array = NDArray[np.float64]
+
+_MOVES_TOOL = 10.0 * RANK_TOLERANCE
+"""Twist of the tool, for a unit of a free motion's coordinates, below which the motion is idle.
+
+Free motions themselves are known to `RANK_TOLERANCE` only."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +56,12 @@ class Motions:
         held = null_space(free.T) if free.shape[1] else np.eye(closed.shape[1])
         return Motions(at, closed @ free, closed @ held)
 
+    @property
+    def free_at_tool(self) -> Array:
+        """Orthonormal twists (6, k) of the tool, unit-free, that nothing holds."""
+        U, values, _ = np.linalg.svd(self.at.tool @ self.free, full_matrices=False)
+        return np.asarray(U[:, : int(np.sum(values > _MOVES_TOOL))])
+
     def factor(self) -> Array:
         """Return R (m, m), upper triangular: held motions ``held s`` have the energy |R s|^2/2."""
         return np.asarray(np.linalg.qr(self.at.energy @ self.held, mode="r"))
@@ -63,8 +74,8 @@ class Motions:
         if self.free.shape[1] == 0:
             return (), ()
         tool = self.at.tool @ self.free
-        n_tool = rank(tool)
-        _, _, Vt = np.linalg.svd(tool)
+        _, values, Vt = np.linalg.svd(tool)
+        n_tool = int(np.sum(values > _MOVES_TOOL))
         of_tool = Vt[:n_tool].T @ plain_basis(tool @ Vt[:n_tool].T)
         idle = Vt[n_tool:].T @ plain_basis(self.free @ Vt[n_tool:].T)
         return (

@@ -75,13 +75,13 @@ class Assembly:
         to_si = np.diag([self.length] * 3 + [1.0] * 3)
         compliance = to_si @ G @ G.T @ to_si if not free_motions else None
         return AssembledCompliance(
-            compliance, _stiffness(G, at.tool @ motions.free, to_si), free_motions, idle_motions
+            compliance, _stiffness(G, motions.free_at_tool, to_si), free_motions, idle_motions
         )
 
 
 def _stiffness(G: Array, free: Array, to_si: Array) -> Array | None:
     """Return the stiffness: on the wrenches that do no work on free motions, k's inverse."""
-    carried = null_space(free.T) if rank(free) else np.eye(6)
+    carried = null_space(free.T)
     half = carried.T @ G
     if rank(half / max(np.linalg.norm(half), np.finfo(float).tiny)) < carried.shape[1]:
         return None

@@ -63,7 +63,7 @@ def map_workspace(
     analysis = robot if isinstance(robot, Analysis) else Analysis(robot)
     grid = pose_grid(analysis.robot, points)
     report("closing loops", 0.0)
-    postures = _postures(analysis, grid)
+    postures = postures_of(analysis, grid)
     loads = list(analysis.robot.loads.values())
     quantities = _Quantities.empty(len(models), len(loads), len(postures))
     for m, name in enumerate(models):
@@ -84,7 +84,11 @@ def map_workspace(
     return dataset
 
 
-def _postures(analysis: Analysis, grid: PoseGrid) -> Postures:
+def postures_of(analysis: Analysis, grid: PoseGrid) -> Postures:
+    """Return the postures at the poses of a grid.
+
+    Raises PoseError if it is over coordinates in which the tool cannot move independently.
+    """
     kinematics = analysis.kinematics
     values = grid.values()
     for name in values:

@@ -75,11 +75,17 @@ def make_bodies(robot: Robot, how: Discretisation) -> Bodies:
 
 
 def _line(link: Link) -> Line | None:
-    """Return an elastic link as a line; None, and a rigid mass, if its tip lies at its base."""
+    """Return an elastic link as a line; None where its mass goes along with its base.
+
+    That is so where the tip lies at the base, or the centre of mass so near to it that no mass
+    spread along the link could have it there.
+    """
     if link.line is not None:
         return link.line
     tip = link.ports["tip"].position
     if link.compliance is None or link.mass is None or not np.any(tip):
+        return None
+    if link.center_of_mass is not None and link.center_of_mass @ tip < tip @ tip / 3.0:
         return None
     try:
         return equivalent_line(link.compliance, tip, link.mass, link.center_of_mass, link.inertia)

@@ -151,6 +151,18 @@ class ModalModel:
             n_existing,
         )
 
+    def matrices(self, q: Array) -> tuple[Array, Array]:
+        """Return stiffness and mass (m, m) at coordinates (n,), on all motions that are held.
+
+        They are those of the motions that the loops allow, in unit-free coordinates; the stiffness
+        is positive definite.
+        """
+        at = next(self.coordinates.at_each(q[:, None]))
+        motions = Motions.of(at)
+        placed = self._frames(q[:, None]).T.reshape(-1, 12)
+        held, roots = at.energy @ motions.held, self._mass_roots(at, placed) @ motions.held
+        return held.T @ held, roots.T @ roots
+
     def _mass_roots(self, at: CoordinatesAtPosture, placed: Array) -> Array:
         """Return a matrix B (m, n) so that the kinetic energy is |B dx|^2 / 2, SI."""
         rows = []
