@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import null_space
 
+from stiffkit.kinematics.numeric import one_thread
 from stiffkit.robot import BASE, DIRECTIONS, Freedom, Joint
 from stiffkit.spatial import Frame, shift_compliance, twist_shift
 from tests.properties.mechanisms import LENGTH, Mechanism
@@ -135,9 +136,10 @@ def compliance_by_nodes(mechanism: Mechanism) -> Array:
             rows.append(row)
         return np.vstack(rows)
 
-    allowed = null_space(spread(constraints), rcond=1e-9)
-    strains = spread(springs) @ allowed
-    at_tool = spread([(None, tool, twist_shift(mechanism.T_world_tool.position))]) @ allowed
-    # With the energy |strains x|^2 / 2, the deflection under w is at_tool (strains^+) (...)^T w.
-    half = at_tool @ np.linalg.pinv(strains, rcond=1e-10)
+    with one_thread():
+        allowed = null_space(spread(constraints), rcond=1e-9)
+        strains = spread(springs) @ allowed
+        at_tool = spread([(None, tool, twist_shift(mechanism.T_world_tool.position))]) @ allowed
+        # With the energy |strains x|^2 / 2 the deflection under w is half half^T w.
+        half = at_tool @ np.linalg.pinv(strains, rcond=1e-10)
     return np.asarray(half @ half.T)

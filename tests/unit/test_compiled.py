@@ -1,96 +1,268 @@
-"""Kernels: the three modes agree, and compiled code is shared by topology."""
+"""Kernels: three modes, one answer; compiled once for each topology."""
 
 from __future__ import annotations
 
 import importlib.util
 import warnings
-from importlib.machinery import ModuleSpec
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
-from stiffkit.compiled import BatchFunction, Constants, Kernel, function, heyoka_available
-from stiffkit.errors import StiffkitError
-from stiffkit.smallmat import Vector, cos, dot, multiply, sqrt, vector, where_less
+from stiffkit.compiled import BatchFunction, Constants, Kernel, default_backend, heyoka_available
+from stiffkit.compiled import function as module
+from stiffkit.smallmat import (
+    Vector,
+    add,
+    cos,
+    factor,
+    identity,
+    matmul,
+    multiply,
+    plus,
+    sin,
+    sqrt,
+    vector,
+    where_less,
+)
+from stiffkit.spatial import exp_rotation
+
+Array = NDArray[np.float64]
+
+needs_heyoka = pytest.mark.skipif(
+    importlib.util.find_spec("heyoka") is None, reason="heyoka is not installed"
+)
 
 
-def sample(a: float, b: float, topology: str = "sample") -> Kernel:
-    """A kernel that uses all that kernels use."""
+def sample(
+    S: Array | None = None, turn: float = 0.3, offset: float = 2.0, topology: str = "sample"
+) -> Kernel:
+    """Return a kernel of two inputs that uses all kinds of constants and operations."""
     constants = Constants()
-    constants.add("a", np.array([a]))
-    constants.add("b", np.array([b, 0.0, 2.0]))
+    constants.add_symmetric("S", np.diag([1.0, 2.0, 3.0]) if S is None else S)
+    constants.add("R", exp_rotation([0.0, 0.0, turn]), rotation=True)
+    constants.add("offset", np.array([offset]))
+    constants.add("unused", np.array([7.0]))
 
-    def compute(x: Vector, c: Vector) -> Vector:
-        length = constants.read(c, "b")
-        scaled = multiply(constants.read(c, "a")[0], cos(x[0]))
-        norm = sqrt(dot(x, x))
-        return vector([scaled, where_less(x[0], x[1], norm, -norm), dot(length, vector([*x, 1.0]))])
+    def function(x: Vector, c: Vector) -> Vector:
+        S = constants.read_symmetric(c, "S")
+        R = constants.read(c, "R")
+        offset = constants.read(c, "offset")[0]
+        A = plus(identity(3), S)
+        A[0, 0] = add(A[0, 0], multiply(x[0], x[0]))
+        turned = matmul(R, vector([sin(x[0]), cos(x[1]), 1.0]))
+        solution = factor(A).solve(turned)
+        switch = where_less(x[0], x[1], sqrt(add(multiply(x[1], x[1]), offset)), 0.0)
+        return vector([*solution, switch, 4.0])
 
-    return Kernel(topology, compute, 2, constants, topology)
-
-
-def test_the_three_modes_agree() -> None:
-    x = np.random.default_rng(0).normal(size=(2, 3000))
-    kernel = sample(1.3, 0.7)
-    batch = BatchFunction(kernel, "numpy")(x)
-    single = np.stack([BatchFunction(kernel, "numpy")(x[:, [i]])[:, 0] for i in range(20)], axis=1)
-    compiled = BatchFunction(kernel, "heyoka")(x)
-    assert np.abs(single - batch[:, :20]).max() < 1e-14
-    assert np.abs(compiled - batch).max() < 1e-13
+    return Kernel("sample", function, 2, constants, topology)
 
 
-def test_a_changed_dimension_does_not_compile_again() -> None:
-    first, second = BatchFunction(sample(1.3, 0.7)), BatchFunction(sample(-0.2, 0.9))
-    assert first.compile() is second.compile()
-    x = np.array([[0.3, 0.4], [0.1, 0.9]])
-    for f in (first, second):
-        f.backend = "heyoka"
-    assert first(x)[0] == pytest.approx(1.3 * np.cos(x[0]))
-    assert second(x)[0] == pytest.approx(-0.2 * np.cos(x[0]))
+@pytest.fixture
+def inputs() -> Array:
+    return np.random.default_rng(0).normal(size=(2, 50))
 
 
-def test_a_dimension_that_becomes_zero_compiles_again() -> None:
-    # Zeros are left out of the arithmetic, so they belong to the topology.
-    f, g = BatchFunction(sample(1.3, 0.7)), BatchFunction(sample(0.0, 0.7), "heyoka")
-    assert f.compile() is not g.compile()
-    assert not g(np.ones((2, 5)))[0].any()
+@pytest.fixture
+def compilations(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Empty the cache, and count what is compiled."""
+    import heyoka
+
+    monkeypatch.setattr(module, "_compiled", type(module._compiled)())
+    compile_function = heyoka.cfunc
+    counted: list[int] = []
+
+    def count(*args: Any, **keywords: Any) -> Any:
+        counted.append(1)
+        return compile_function(*args, **keywords)
+
+    monkeypatch.setattr(heyoka, "cfunc", count)
+    return counted
 
 
-def test_auto_interprets_little_and_compiles_much() -> None:
-    f = BatchFunction(sample(1.0, 2.0, "auto"))
-    key = f._key
-    f(np.ones((2, 10)))
-    assert key not in function._compiled
-    f(np.ones((2, function.WORTH_COMPILING)))
-    assert key in function._compiled
+@needs_heyoka
+def test_floats_batches_and_compiled_code_agree(inputs: Array) -> None:
+    kernel = sample()
+    compiled = BatchFunction(kernel, "heyoka")(inputs)
+    batch = BatchFunction(kernel, "numpy")(inputs)
+    interpreted = BatchFunction(kernel, "numpy")
+    one_by_one = np.hstack([interpreted(column[:, None]) for column in inputs.T])
+    assert compiled.shape == (5, 50)
+    np.testing.assert_allclose(compiled, batch, rtol=1e-12, atol=1e-14)
+    np.testing.assert_allclose(one_by_one, batch, rtol=1e-12, atol=1e-14)
 
 
-def test_no_postures_give_no_outputs() -> None:
-    assert BatchFunction(sample(1.0, 2.0))(np.empty((2, 0))).shape == (3, 0)
+@needs_heyoka
+@pytest.mark.parametrize("n", [1, 2, module.CHUNK - 1, module.CHUNK, 2 * module.CHUNK + 3])
+def test_every_size_of_batch(n: int) -> None:
+    inputs = np.random.default_rng(1).normal(size=(2, n))
+    kernel = sample()
+    compiled = BatchFunction(kernel, "heyoka")(inputs)
+    np.testing.assert_allclose(compiled, BatchFunction(kernel, "numpy")(inputs), rtol=1e-12)
 
 
-def test_without_heyoka_it_says_so_once_and_works(monkeypatch: pytest.MonkeyPatch) -> None:
-    find = importlib.util.find_spec
+@pytest.mark.parametrize("backend", ["numpy", pytest.param("heyoka", marks=needs_heyoka)])
+def test_an_empty_batch(backend: module.Backend) -> None:
+    assert BatchFunction(sample(), backend)(np.empty((2, 0))).shape == (5, 0)
 
-    def without(name: str, package: str | None = None) -> ModuleSpec | None:
-        return None if name == "heyoka" else find(name, package)
 
-    monkeypatch.setattr(importlib.util, "find_spec", without)
+@needs_heyoka
+def test_inputs_need_not_be_contiguous(inputs: Array) -> None:
+    f = BatchFunction(sample(), "heyoka")
+    np.testing.assert_array_equal(f(inputs[:, ::2]), f(inputs)[:, ::2])
+
+
+@needs_heyoka
+def test_nan_goes_in_and_comes_out(inputs: Array) -> None:
+    inputs[:, 3] = np.nan
+    for backend in ("numpy", "heyoka"):
+        out = BatchFunction(sample(), backend)(inputs)
+        assert np.isnan(out[:2, 3]).all()
+        assert np.isfinite(np.delete(out, 3, axis=1)).all()
+
+
+@needs_heyoka
+def test_a_kernel_without_free_constants(inputs: Array) -> None:
+    constants = Constants()
+    constants.add("zero", np.zeros(1))
+    kernel = Kernel(
+        "plain", lambda x, c: vector([add(multiply(x[0], x[1]), c[0])]), 2, constants, ()
+    )
+    np.testing.assert_allclose(BatchFunction(kernel, "heyoka")(inputs)[0], inputs[0] * inputs[1])
+
+
+@needs_heyoka
+def test_new_values_of_constants_do_not_compile_again(
+    inputs: Array, compilations: list[int]
+) -> None:
+    full = np.array([[4.0, 1.0, 0.5], [1.0, 5.0, 0.3], [0.5, 0.3, 6.0]])
+    for scale, turn, offset in ((1.0, 0.3, 2.0), (3.0, -1.2, 0.5), (0.1, 2.0, 9.0)):
+        kernel = sample(scale * full, turn, offset)
+        found = BatchFunction(kernel, "heyoka")(inputs)
+        np.testing.assert_allclose(found, BatchFunction(kernel, "numpy")(inputs), rtol=1e-12)
+    assert len(compilations) == 1
+
+
+@needs_heyoka
+@pytest.mark.parametrize(
+    "other",
+    [
+        sample(np.diag([1.0, 2.0, 0.0])),
+        sample(np.diag([1.0, 2.0, 3.0]) + 0.1),
+        sample(turn=0.0),
+        sample(offset=0.0),
+        sample(topology="another"),
+    ],
+    ids=["a zero more", "zeros less", "no rotation", "no offset", "topology"],
+)
+def test_another_pattern_of_zeros_compiles_again(
+    inputs: Array, compilations: list[int], other: Kernel
+) -> None:
+    for kernel in (sample(), other, sample(), other):
+        found = BatchFunction(kernel, "heyoka")(inputs)
+        np.testing.assert_allclose(
+            found, BatchFunction(kernel, "numpy")(inputs), rtol=1e-12, atol=1e-14
+        )
+    assert len(compilations) == 2
+
+
+@needs_heyoka
+def test_constants_in_another_order_compile_again(inputs: Array, compilations: list[int]) -> None:
+    def kernel(*names: str) -> Kernel:
+        constants = Constants()
+        for name in names:
+            constants.add(name, np.array([{"a": 2.0, "b": 3.0}[name]]))
+        return Kernel(
+            "order",
+            lambda x, c: vector([multiply(x[0], constants.read(c, "a")[0])]),
+            2,
+            constants,
+            ("equal",),
+        )
+
+    for names in (("a", "b"), ("b", "a")):
+        np.testing.assert_allclose(
+            BatchFunction(kernel(*names), "heyoka")(inputs)[0], 2 * inputs[0]
+        )
+    assert len(compilations) == 2
+
+
+@needs_heyoka
+def test_auto_compiles_when_it_is_worth_it(inputs: Array, compilations: list[int]) -> None:
+    f = BatchFunction(sample(), "auto")
+    few = f(inputs)
+    assert len(compilations) == 0
+    many = f(np.tile(inputs, 1 + module.WORTH_COMPILING // inputs.shape[1]))
+    assert len(compilations) == 1
+    np.testing.assert_allclose(few, many[:, : inputs.shape[1]], rtol=1e-12)
+    np.testing.assert_allclose(f(inputs), few, rtol=1e-12)
+    assert len(compilations) == 1
+
+
+@needs_heyoka
+def test_auto_takes_compiled_code_that_is_there(inputs: Array, compilations: list[int]) -> None:
+    BatchFunction(sample(), "heyoka")(inputs)
+    second = BatchFunction(sample(offset=5.0), "auto")
+    np.testing.assert_allclose(
+        second(inputs), BatchFunction(second.kernel, "numpy")(inputs), rtol=1e-12
+    )
+    assert len(compilations) == 1
+
+
+@needs_heyoka
+def test_the_cache_forgets_what_was_used_longest_ago(
+    inputs: Array, compilations: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "_CACHE_SIZE", 2)
+    for topology in ("first", "second", "first", "third", "first", "second"):
+        BatchFunction(sample(topology=topology), "heyoka")(inputs)
+    assert len(compilations) == 4
+
+
+@pytest.fixture
+def without_heyoka(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    find_spec = importlib.util.find_spec
+    monkeypatch.setattr(
+        importlib.util,
+        "find_spec",
+        lambda name, *args: None if name == "heyoka" else find_spec(name, *args),
+    )
+    monkeypatch.setattr(module, "_compiled", type(module._compiled)())
     heyoka_available.cache_clear()
-    try:
-        f = BatchFunction(sample(1.0, 2.0, "without"), "auto")
-        with pytest.warns(UserWarning, match="heyoka is not installed"):
-            many = f(np.ones((2, 5000)))
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            again = f(np.ones((2, 5000)))
-    finally:
-        heyoka_available.cache_clear()
-    assert np.array_equal(many, again)
-    assert many[0] == pytest.approx(np.cos(1.0))
+    yield
+    heyoka_available.cache_clear()
 
 
-def test_an_unknown_backend_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("STIFFKIT_BACKEND", "cuda")
-    with pytest.raises(StiffkitError, match="STIFFKIT_BACKEND is 'cuda'"):
-        BatchFunction(sample(1.0, 2.0))
+@pytest.mark.usefixtures("without_heyoka")
+def test_without_heyoka_everything_works_and_says_once_that_it_is_slower() -> None:
+    many = np.random.default_rng(0).normal(size=(2, module.WORTH_COMPILING))
+    with pytest.warns(UserWarning, match="heyoka is not installed.*slower"):
+        found = BatchFunction(sample(), "auto")(many)
+    np.testing.assert_array_equal(found, BatchFunction(sample(), "numpy")(many))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        BatchFunction(sample(offset=3.0), "auto")(many)
+
+
+@pytest.mark.parametrize("named", ["auto", "numpy", "heyoka"])
+def test_the_environment_names_the_backend(monkeypatch: pytest.MonkeyPatch, named: str) -> None:
+    monkeypatch.setenv("STIFFKIT_BACKEND", named)
+    assert default_backend() == named
+    assert BatchFunction(sample()).backend == named
+
+
+def test_pattern_holds_zeros_and_the_ones_of_rotations() -> None:
+    constants = Constants()
+    constants.add("free", np.array([0.0, 1.0, -2.0]))
+    constants.add("R", np.array([[0.0, -1.0], [1.0, 0.5]]), rotation=True)
+    assert constants.pattern == (0.0, None, None, 0.0, -1.0, 1.0, None)
+
+
+def test_extended_constants_leave_the_original_alone() -> None:
+    constants = Constants()
+    constants.add("a", np.array([1.0]))
+    more = constants.extended("b", np.array([2.0]))
+    np.testing.assert_array_equal(constants.values, [1.0])
+    np.testing.assert_array_equal(more.values, [1.0, 2.0])

@@ -155,14 +155,19 @@ class Entry:
         """Return a quantity in SI. Raises RobotFileError where it is not positive."""
         si = self.quantity(dimension)
         if si <= 0.0:
-            raise self.error(f"'{self.value()}' must be positive")
+            raise self.error(
+                f"'{self.value()}' must be positive",
+                f"write a value above zero; it is {si:g} in SI",
+            )
         return si
 
     def not_negative(self, dimension: Dimension) -> float:
         """Return a quantity in SI. Raises RobotFileError where it is negative."""
         si = self.quantity(dimension)
         if si < 0.0:
-            raise self.error(f"'{self.value()}' must not be negative")
+            raise self.error(
+                f"'{self.value()}' must not be negative", f"write zero or more; it is {si:g}"
+            )
         return si
 
     def vector(self, dimension: Dimension) -> Array:

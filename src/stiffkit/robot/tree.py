@@ -179,9 +179,15 @@ class _Builder:
         parent.size += node.size
         parent.depth = max(parent.depth, node.depth + 1)
         if parent.size > MOST_NODES:
-            raise self.error(f"holds more than {MOST_NODES} values", node.line)
+            raise self.error(
+                f"holds more than {MOST_NODES} values",
+                node.line,
+                "write them out without aliases of aliases, or use 'repeat'",
+            )
         if len(self.stack) + node.depth > DEEPEST + 1:
-            raise self.error(f"nested more than {DEEPEST} levels deep", node.line)
+            raise self.error(
+                f"nested more than {DEEPEST} levels deep", node.line, "no robot needs so many"
+            )
         if parent.key is None:
             parent.children.append(node)
         else:
