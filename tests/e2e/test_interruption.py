@@ -27,7 +27,12 @@ LONG = ("map", "five-bar", "--points", "3000000", "-o", "out")
 def working_map(here: Path) -> Iterator[subprocess.Popen[str]]:
     """Give a process that computes a map into ``out``, and end it in any case."""
     process = subprocess.Popen(
-        [STIFFKIT, *LONG], cwd=here, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        [STIFFKIT, *LONG],
+        cwd=here,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=heed_interruptions,
     )
     try:
         deadline = time.monotonic() + ENDS_WITHIN
@@ -40,6 +45,11 @@ def working_map(here: Path) -> Iterator[subprocess.Popen[str]]:
     finally:
         process.kill()
         process.communicate()
+
+
+def heed_interruptions() -> None:
+    """Undo what a shell does to processes in the background: it has them ignore Ctrl+C."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def half_made(here: Path) -> list[Path]:
