@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -180,3 +182,34 @@ def test_backends_find_the_same_postures() -> None:
         found.append(kinematics.solve(asked + kinematics.home.tool))
     assert found[0].reached.all()
     assert found[0].joints == pytest.approx(found[1].joints, abs=1e-10)
+
+
+ARM = """
+robot: Arm
+links:
+  upper: {rigid: {length: 0.5}}
+  lower: {rigid: {length: 0.3}}
+joints:
+  shoulder: {revolute: z, from: base, to: upper.base, drive: 1e4}
+  elbow: {revolute: z, from: upper.tip, to: lower.base, drive: 1e4}
+tool: {at: lower.tip}
+home: {x: 0.3, y: 0.4, elbow: 1}
+"""
+
+
+def test_a_single_pose_behind_a_hole_is_found_around_it(tmp_path: Path) -> None:
+    # The arm cannot reach within 200 mm of its base, which lies between home and this pose.
+    path = tmp_path / "arm.yaml"
+    path.write_text(ARM)
+    kinematics = Kinematics(load_robot(path))
+    posture = kinematics.solve_at({"x": -0.4, "y": -0.4})
+    assert posture.reached[0]
+    elbow = posture.joints[kinematics.joint_names.index("elbow.rz"), 0]
+    assert np.cos(elbow) == pytest.approx((0.32 - 0.5**2 - 0.3**2) / (2 * 0.5 * 0.3))
+    assert np.sin(elbow) > 0.0
+    assert not kinematics.solve_at({"x": 0.1, "y": 0.1}).reached[0]
+
+
+def test_no_poses_at_all() -> None:
+    kinematics = Kinematics(load_robot("five-bar"))
+    assert len(kinematics.solve(np.empty((2, 0)))) == 0

@@ -22,6 +22,9 @@ from stiffkit.robot import DIRECTIONS, Robot
 
 Array = NDArray[np.float64]
 
+_WAYPOINTS = 600
+"""Poses that are tried on the way to a few that cannot be reached straight from home."""
+
 
 class Status(IntEnum):
     """What is known of a posture."""
@@ -130,8 +133,9 @@ class Kinematics:
 
     def observe(self, coordinates: Array) -> Postures:
         """Return the postures at coordinates (n, N) of the tree, which must close the loops."""
-        frames = self._observe(coordinates).reshape(-1, 12, coordinates.shape[1])
-        R = frames[:, :9].reshape(-1, 3, 3, coordinates.shape[1])
+        values = self._observe(coordinates)
+        frames = values.reshape(values.shape[0] // 12, 12, coordinates.shape[1])
+        R = frames[:, :9].reshape(len(frames), 3, 3, coordinates.shape[1])
         p = frames[:, 9:]
         tool = np.concatenate([p[0], rotation_vectors(R[0])])
         parts = {t.joint.name: coordinates[t.coordinates] for t in self.tree.joints}
@@ -161,7 +165,14 @@ class Kinematics:
         asked = np.asarray(asked, dtype=float)
         wanted = np.ones(asked.shape[1], dtype=bool) if wanted is None else wanted
         q = np.full((closure.n_unknowns, asked.shape[1]), np.nan)
-        q[:, wanted], _ = self._tracker.spread(q_home[:, None], home, asked[:, wanted], span)
+        found, reached = self._tracker.spread(q_home[:, None], home, asked[:, wanted], span)
+        few = 0 < len(self.asked) <= 3 and 0 < reached.size < _WAYPOINTS
+        if few and not reached.all():
+            # A few poses have no neighbours to be reached from, should a hole bar the straight way.
+            between = _waypoints(home, asked[:, wanted], span)
+            poses = np.hstack([asked[:, wanted], between])
+            found = self._tracker.spread(q_home[:, None], home, poses, span)[0][:, : reached.size]
+        q[:, wanted] = found
         return self.observe(q[: self.tree.n_coordinates])
 
     def solve_at(self, at: Mapping[str, float]) -> Postures:
@@ -198,6 +209,15 @@ class Kinematics:
                     mend=f"leave {name} out; the independent tool coordinates of"
                     f" {self.robot.name} are: {independent}",
                 )
+
+
+def _waypoints(home: Array, asked: Array, span: Array) -> Array:
+    """Return poses (m, n) all around home and the poses asked for."""
+    ends = np.hstack([home[:, None], asked])
+    low, high = ends.min(axis=1), ends.max(axis=1)
+    margin = 0.5 * np.maximum(high - low, 0.2 * span)
+    rng = np.random.default_rng(0)
+    return np.asarray(rng.uniform(low - margin, high + margin, (_WAYPOINTS, home.size)).T)
 
 
 def _size(robot: Robot) -> float:
