@@ -8,6 +8,7 @@ redundant unknowns (a rod that can spin) are both allowed: the step is the dampe
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 
@@ -162,8 +163,11 @@ class ClosureEquations:
     def newton_step(self) -> Kernel:
         """Return the kernel of one step.
 
-        Inputs: unknowns (SI), then the values asked for. Outputs: the improved unknowns (SI), the
-        sum of squares of the residuals before the step, and that of the step itself, unit-free.
+        Inputs: unknowns (SI), then the values asked for. Outputs: the improved unknowns (SI); the
+        sum of squares of the residuals before the step, and that of the step itself, unit-free;
+        and the response (n) of the unknowns to a disturbance of the equations that is always the
+        same. It grows without bound towards a posture where branches meet, and comes back from
+        infinity with the other sign on the other branch.
         """
         n = self.n_unknowns
         translates = self.translates
@@ -177,11 +181,14 @@ class ClosureEquations:
             normal = gram(A)
             for j in range(n):
                 normal[j, j] = add(normal[j, j], DAMPING)
-            solution = factor(normal).solve(matmul(A.T, scale(-1.0, eq.residuals)))
+            factors = factor(normal)
+            solution = factors.solve(matmul(A.T, scale(-1.0, eq.residuals)))
+            response = factors.solve(matmul(A.T, _disturbance(len(eq.residuals))))
             improved = inputs[:n].copy()
             for j, dx in zip(self.elimination_order, solution, strict=True):
                 improved[j] = add(improved[j], multiply(length if translates[j] else 1.0, dx))
-            return vector([*improved, dot(eq.residuals, eq.residuals), dot(solution, solution)])
+            sizes = [dot(eq.residuals, eq.residuals), dot(solution, solution)]
+            return vector([*improved, *sizes, *response])
 
         return Kernel(
             "newton step",
@@ -245,6 +252,11 @@ def tool_jacobian(
     translating = [not motion.startswith("r") for motion in closure.tree.motions]
     columns[:, translating] *= closure.length
     return columns
+
+
+def _disturbance(n: int) -> Vector:
+    """Return residuals (n,) that have a part in any direction: the golden angle never repeats."""
+    return vector(math.cos(2.399963 * i) for i in range(n))
 
 
 def _elimination_order(A: Matrix) -> list[int]:

@@ -22,9 +22,6 @@ from stiffkit.robot import DIRECTIONS, Robot
 
 Array = NDArray[np.float64]
 
-_WAYPOINTS = 600
-"""Poses that are tried on the way to a few that cannot be reached straight from home."""
-
 
 class Status(IntEnum):
     """What is known of a posture."""
@@ -165,14 +162,7 @@ class Kinematics:
         asked = np.asarray(asked, dtype=float)
         wanted = np.ones(asked.shape[1], dtype=bool) if wanted is None else wanted
         q = np.full((closure.n_unknowns, asked.shape[1]), np.nan)
-        found, reached = self._tracker.spread(q_home[:, None], home, asked[:, wanted], span)
-        few = 0 < len(self.asked) <= 3 and 0 < reached.size < _WAYPOINTS
-        if few and not reached.all():
-            # A few poses have no neighbours to be reached from, should a hole bar the straight way.
-            between = _waypoints(home, asked[:, wanted], span)
-            poses = np.hstack([asked[:, wanted], between])
-            found = self._tracker.spread(q_home[:, None], home, poses, span)[0][:, : reached.size]
-        q[:, wanted] = found
+        q[:, wanted], _ = self._tracker.spread(q_home[:, None], home, asked[:, wanted], span)
         return self.observe(q[: self.tree.n_coordinates])
 
     def solve_at(self, at: Mapping[str, float]) -> Postures:
@@ -209,15 +199,6 @@ class Kinematics:
                     mend=f"leave {name} out; the independent tool coordinates of"
                     f" {self.robot.name} are: {independent}",
                 )
-
-
-def _waypoints(home: Array, asked: Array, span: Array) -> Array:
-    """Return poses (m, n) all around home and the poses asked for."""
-    ends = np.hstack([home[:, None], asked])
-    low, high = ends.min(axis=1), ends.max(axis=1)
-    margin = 0.5 * np.maximum(high - low, 0.2 * span)
-    rng = np.random.default_rng(0)
-    return np.asarray(rng.uniform(low - margin, high + margin, (_WAYPOINTS, home.size)).T)
 
 
 def _size(robot: Robot) -> float:
