@@ -39,23 +39,14 @@ class FileError(StiffkitError):
         self.path = Path(path)
         self.line = line
         self.key = key
+        self.others: tuple[FileError, ...] = ()
+        """Further errors in the same file that are independent of this one."""
 
     def __str__(self) -> str:
-        """Return ``file:line: key: what`` and the mend."""
+        """Return ``file:line: key: what`` and the mend; other errors on lines of their own."""
         place = str(self.path) if self.line is None else f"{self.path}:{self.line}"
         key = f"{self.key}: " if self.key else ""
-        return f"{place}: {key}{super().__str__()}"
-
-
-class RobotFileError(FileError):
-    """A robot file that says something wrong."""
-
-    others: tuple[RobotFileError, ...] = ()
-    """Further errors in the same file that are independent of this one."""
-
-    def __str__(self) -> str:
-        """Return this error and the others, each on lines of its own."""
-        return "\n".join([super().__str__(), *map(str, self.others)])
+        return "\n".join([f"{place}: {key}{super().__str__()}", *map(str, self.others)])
 
 
 class UnitError(StiffkitError):
@@ -68,6 +59,14 @@ class ExpressionError(StiffkitError):
 
 class LinkError(StiffkitError):
     """A link whose data no body can have."""
+
+
+class FieldError(StiffkitError):
+    """A displacement field, or loads, that no compliance can be told from."""
+
+
+class CadError(StiffkitError):
+    """A part whose geometry, interfaces or mesh cannot be worked with."""
 
 
 class AssemblyError(StiffkitError):

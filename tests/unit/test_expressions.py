@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from stiffkit.errors import ExpressionError
-from stiffkit.robot.expressions import Expression
-from stiffkit.robot.parameters import ParameterError, evaluate, resolve
+from stiffkit.files.expressions import Expression
+from stiffkit.files.parameters import ParameterError, evaluate, resolve
 from stiffkit.units import Exponents, parse_quantity
 
 NAMES = {

@@ -35,8 +35,8 @@ def assignments(text: str, option: str) -> dict[str, str]:
 
 def tool_pose(texts: tuple[str, ...]) -> dict[str, float]:
     """Return tool coordinates (m, rad) of ``--at x=0.4975,y=-20mm,rz=10deg``."""
+    from stiffkit.files.names import suggest
     from stiffkit.robot import DIRECTIONS
-    from stiffkit.robot.names import suggest
     from stiffkit.units import ANGLE, LENGTH, to_si
 
     at: dict[str, float] = {}
@@ -54,7 +54,7 @@ def load_cases(texts: tuple[str, ...], robot: Robot) -> dict[str, NDArray[np.flo
     """Return wrenches (6,) of ``--load NAME`` or ``--load fz=1000,mx=2Nm``; None for the file's."""
     import numpy as np
 
-    from stiffkit.robot.names import suggest
+    from stiffkit.files.names import suggest
     from stiffkit.units import FORCE, MOMENT, to_si
 
     if not texts:

@@ -98,7 +98,7 @@ def equivalent_line(
         )
     even = mass / length
     about_line = 0.0 if inertia is None else float(axes[:, 0] @ inertia @ axes[:, 0])
-    rotary = about_line / length * np.outer(axes[:, 0], axes[:, 0])
+    rotary = np.asarray(about_line / length * np.outer(axes[:, 0], axes[:, 0]), dtype=float)
     return Line(
         np.asarray(tip, dtype=float),
         turn @ section @ turn.T,

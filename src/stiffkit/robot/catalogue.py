@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from stiffkit.errors import RobotFileError
-from stiffkit.robot.names import suggest
+from stiffkit.errors import FileError
+from stiffkit.files.names import suggest
 
 _FOLDER = Path(__file__).with_name("catalogue")
 _SUFFIX = ".yaml"
@@ -21,7 +21,7 @@ def find_robot(path_or_name: str | Path) -> Path:
     """Return the path of a robot file.
 
     A text with a folder or a suffix is a path, a bare name one of the catalogue, or else of a file
-    here. Raises RobotFileError where there is no such file or robot.
+    here. Raises FileError where there is no such file or robot.
     """
     path = Path(path_or_name)
     if isinstance(path_or_name, Path) or path.suffix or _has_folder(path_or_name):
@@ -40,8 +40,8 @@ def _has_folder(text: str) -> bool:
     return any(separator and separator in text for separator in ("/", os.sep, os.altsep))
 
 
-def _not_found(path: Path, what: str) -> RobotFileError:
-    return RobotFileError(
+def _not_found(path: Path, what: str) -> FileError:
+    return FileError(
         what,
         path=path,
         mend=f"check the path; of the catalogue: {suggest(path.stem, list_robots())}",

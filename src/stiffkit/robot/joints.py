@@ -8,10 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from stiffkit.robot.entry import Entry
-from stiffkit.robot.frames import read_frame, read_port
+from stiffkit.files.entry import Entry
+from stiffkit.files.frames import read_frame
+from stiffkit.files.problems import Problems
 from stiffkit.robot.model import BASE, DIRECTIONS, Freedom, Joint, Link
-from stiffkit.robot.problems import Problems
+from stiffkit.robot.ports import read_port
 from stiffkit.units import STIFFNESS_ROTATION, STIFFNESS_TRANSLATION
 
 KINDS = ("fixed", "revolute", "prismatic", "cylindrical", "universal", "spherical", "planar")
@@ -21,7 +22,7 @@ RIGID = "rigid"
 def read_joints(entries: Mapping[str, Entry], links: Mapping[str, Link]) -> dict[str, Joint]:
     """Return the joints by name.
 
-    Raises RobotFileError where one of them cannot exist.
+    Raises FileError where one of them cannot exist.
     """
     joints: dict[str, Joint] = {}
     problems = Problems()
@@ -141,7 +142,7 @@ def _with_freedoms(
 def check_connected(
     joints: Mapping[str, Joint], links: Mapping[str, Link], entries: Mapping[str, Entry]
 ) -> None:
-    """Raise RobotFileError at links from which no chain of joints leads to the base."""
+    """Raise FileError at links from which no chain of joints leads to the base."""
     neighbours: dict[str, set[str]] = {body: set() for body in (BASE, *links)}
     for joint in joints.values():
         neighbours[joint.from_body].add(joint.to_body)

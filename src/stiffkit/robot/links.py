@@ -8,18 +8,18 @@ from graphlib import CycleError, TopologicalSorter
 import numpy as np
 
 from stiffkit.errors import LinkError
+from stiffkit.files.entry import Entry
+from stiffkit.files.frames import read_frame
+from stiffkit.files.names import suggest
+from stiffkit.files.problems import Problems
 from stiffkit.link.beam import beam_compliance, beam_inertia
 from stiffkit.link.checks import check_inertia, doubts_compliance, doubts_inertia
+from stiffkit.link.given import read_compliance
 from stiffkit.link.line import beam_line
 from stiffkit.link.materials import Material
-from stiffkit.robot.compliance import read_compliance
-from stiffkit.robot.entry import Entry
-from stiffkit.robot.frames import read_frame
+from stiffkit.link.repair import repaired
+from stiffkit.link.written import read_material, read_section
 from stiffkit.robot.model import BASE, Array, Link
-from stiffkit.robot.names import suggest
-from stiffkit.robot.problems import Problems
-from stiffkit.robot.repair import repaired
-from stiffkit.robot.sections import read_material, read_section
 from stiffkit.spatial import Frame
 from stiffkit.units import INERTIA, LENGTH, MASS
 
@@ -35,7 +35,7 @@ def read_links(
 ) -> tuple[dict[str, Link], list[str]]:
     """Return the links by name, and notes on repairs and doubts.
 
-    Raises RobotFileError where one of them cannot exist.
+    Raises FileError where one of them cannot exist.
     """
     fields = _with_copies(entries)
     links: dict[str, Link] = {}

@@ -6,33 +6,36 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from stiffkit.errors import UnitError
+from stiffkit.files.entry import Entry, Scope
+from stiffkit.files.expressions import RESERVED_NAMES
+from stiffkit.files.names import suggest
+from stiffkit.files.parameters import Given, ParameterError, check_same_dimension, resolve
+from stiffkit.files.schema import check_shape
+from stiffkit.files.source import read_source
+from stiffkit.files.tree import read_tree
+from stiffkit.link.written import read_materials
 from stiffkit.robot.catalogue import find_robot
-from stiffkit.robot.entry import Entry, Scope
-from stiffkit.robot.expressions import RESERVED_NAMES
 from stiffkit.robot.joints import check_connected, read_joints
 from stiffkit.robot.links import read_links
 from stiffkit.robot.model import Parameter, Robot
-from stiffkit.robot.names import suggest
-from stiffkit.robot.parameters import Given, ParameterError, check_same_dimension, resolve
 from stiffkit.robot.parts import read_parts
-from stiffkit.robot.schema import check_shape
-from stiffkit.robot.sections import read_materials
-from stiffkit.robot.source import read_source
 from stiffkit.robot.task import read_home, read_loads, read_tool, read_workspace
-from stiffkit.robot.tree import read_tree
 from stiffkit.units import Value
+
+SCHEMA_FILE = Path(__file__).with_name("schema.json")
+"""The published schema; editors that know JSON Schema complete and check robot files with it."""
 
 
 def load_robot(path_or_name: str | Path, parameters: Mapping[str, Given] | None = None) -> Robot:
     """Return the robot of a file, or of the catalogue by its name.
 
     ``parameters`` replace those of the file, such as ``{"base": "310 mm"}``; numbers are SI.
-    Raises RobotFileError, with the place and how to mend it, where anything is wrong.
+    Raises FileError, with the place and how to mend it, where anything is wrong.
     """
     path = find_robot(path_or_name)
     source = read_source(path)
     root = read_tree(source)
-    check_shape(root, path)
+    check_shape(root, path, SCHEMA_FILE)
     values, notes = _parameters(Entry(path, (), root), parameters or {})
     entry = Entry(path, (), root, Scope(values))
     link_entries = read_parts(entry, "links")

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-from stiffkit.robot.entry import Entry, Scope
-from stiffkit.robot.expressions import RESERVED_NAMES, is_expression
+from stiffkit.files.entry import Entry, Scope
+from stiffkit.files.expressions import RESERVED_NAMES, is_expression
 from stiffkit.robot.model import BASE
 
 MOST_PARTS = 500
@@ -16,7 +16,7 @@ MOST_PARTS = 500
 def read_parts(root: Entry, section: str) -> dict[str, Entry]:
     """Return the ``links`` or the ``joints`` by name, in the order of the file.
 
-    Those of repeated sections come after the plain ones. Raises RobotFileError where a name stands
+    Those of repeated sections come after the plain ones. Raises FileError where a name stands
     twice or is reserved, and at wrong repeated sections.
     """
     parts: dict[str, Entry] = {}

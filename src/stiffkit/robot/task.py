@@ -6,17 +6,18 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from stiffkit.robot.entry import Entry
-from stiffkit.robot.frames import read_frame, read_port
+from stiffkit.files.entry import Entry
+from stiffkit.files.frames import read_frame
+from stiffkit.files.names import suggest
 from stiffkit.robot.model import BASE, DIRECTIONS, Array, Home, Joint, Link, Load, Tool, Workspace
-from stiffkit.robot.names import suggest
+from stiffkit.robot.ports import read_port
 from stiffkit.units import FORCE, LENGTH, MASS, MOMENT, NUMBER
 
 _MOST_GRID_POINTS = 100_000
 
 
 def read_tool(entry: Entry, links: Mapping[str, Link]) -> Tool:
-    """Return the tool. Raises RobotFileError where no link carries it."""
+    """Return the tool. Raises FileError where no link carries it."""
     port = read_port(entry["at"], links)
     if port.body == BASE:
         raise entry["at"].error("the tool is on the base, which stands still", "name a link")
@@ -26,7 +27,7 @@ def read_tool(entry: Entry, links: Mapping[str, Link]) -> Tool:
 
 
 def read_home(entry: Entry | None, joints: Mapping[str, Joint]) -> Home:
-    """Return the home posture. Raises RobotFileError at unknown joints and wrong coordinates."""
+    """Return the home posture. Raises FileError at unknown joints and wrong coordinates."""
     tool: dict[str, float] = {}
     joint_coordinates: dict[str, tuple[float, ...]] = {}
     for name, given in [] if entry is None else entry.items():
@@ -59,7 +60,7 @@ def _joint_coordinates(entry: Entry, joint: Joint) -> tuple[float, ...]:
 
 
 def read_workspace(entry: Entry | None) -> Workspace:
-    """Return the workspace. Raises RobotFileError where it is empty."""
+    """Return the workspace. Raises FileError where it is empty."""
     if entry is None:
         return Workspace()
     ranges: dict[str, tuple[float, float]] = {}
@@ -136,7 +137,7 @@ def _points(entry: Entry) -> Workspace:
 
 
 def read_loads(entry: Entry | None) -> dict[str, Load]:
-    """Return the load cases by name. Raises RobotFileError at wrong quantities."""
+    """Return the load cases by name. Raises FileError at wrong quantities."""
     loads = {}
     for name, given in [] if entry is None else entry.items():
         force = given["force"].vector(FORCE) if "force" in given else np.zeros(3)

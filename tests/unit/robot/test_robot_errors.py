@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from stiffkit.errors import RobotFileError
+from stiffkit.errors import FileError
 from stiffkit.robot import Robot, load_robot
 
 Load = Callable[..., Robot]
@@ -40,7 +40,7 @@ def cases(name: str) -> list[Case]:
 
 def told_of(load: Load, text: str) -> str:
     """Load a wrong file and return the message on one line."""
-    with pytest.raises(RobotFileError) as caught:
+    with pytest.raises(FileError) as caught:
         load(text)
     return " ".join(str(caught.value).replace("mend: ", "").split())
 
@@ -119,19 +119,19 @@ def test_too_many_parts_are_refused(load: Load) -> None:
 
 def test_several_errors_are_told_at_once(load: Load) -> None:
     text = VALID.replace("200 mm", "0").replace("4 mm]", "90 mm]")
-    with pytest.raises(RobotFileError) as caught:
+    with pytest.raises(FileError) as caught:
         load(text)
     assert "links.arm.rigid.length" in str(caught.value)
     assert "links.rod.beam.section.tube" in str(caught.value)
     shape = VALID.replace("revolute:", "revolut:").replace("at: rod.tip", "att: rod.tip")
-    with pytest.raises(RobotFileError) as caught:
+    with pytest.raises(FileError) as caught:
         load(shape)
     assert [error.line for error in (caught.value, *caught.value.others)] == [7, 9, 9]
 
 
 def test_copies_of_a_wrong_link_are_told_once(load: Load) -> None:
     text = VALID.replace("200 mm", "0").replace("joints:\n", "  copy: {like: arm}\njoints:\n")
-    with pytest.raises(RobotFileError) as caught:
+    with pytest.raises(FileError) as caught:
         load(text)
     assert caught.value.others == ()
 
@@ -147,7 +147,7 @@ def test_copies_of_a_wrong_link_are_told_once(load: Load) -> None:
     ],
 )
 def test_wrong_overrides(load: Load, parameters: dict[str, str | float], told: str) -> None:
-    with pytest.raises(RobotFileError) as caught:
+    with pytest.raises(FileError) as caught:
         load(VALID, parameters)
     assert told in str(caught.value)
 
@@ -165,6 +165,6 @@ def test_wrong_overrides(load: Load, parameters: dict[str, str | float], told: s
     ],
 )
 def test_robot_that_does_not_exist(name: str | Path, told: str) -> None:
-    with pytest.raises(RobotFileError) as caught:
+    with pytest.raises(FileError) as caught:
         load_robot(name)
     assert told in str(caught.value)

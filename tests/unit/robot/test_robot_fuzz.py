@@ -11,7 +11,7 @@ import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from stiffkit.errors import RobotFileError
+from stiffkit.errors import FileError
 from stiffkit.robot import load_robot
 
 TEXT = """\
@@ -58,7 +58,7 @@ def load_or_refuse(path: Path, text: str) -> None:
     path.write_text(text, encoding="utf-8")
     try:
         load_robot(path)
-    except RobotFileError as error:
+    except FileError as error:
         message = str(error)
     else:
         return

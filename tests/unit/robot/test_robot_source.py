@@ -9,10 +9,11 @@ from pathlib import Path
 import pytest
 import yaml
 
-from stiffkit.errors import RobotFileError
-from stiffkit.robot import load_robot, tree
-from stiffkit.robot.source import LARGEST_FILE, Source, read_source
-from stiffkit.robot.tree import read_tree
+from stiffkit.errors import FileError
+from stiffkit.files import tree
+from stiffkit.files.source import LARGEST_FILE, Source, read_source
+from stiffkit.files.tree import read_tree
+from stiffkit.robot import load_robot
 
 
 @pytest.fixture(params=["CSafeLoader", "SafeLoader"])
@@ -28,7 +29,7 @@ def plain(text: str) -> tree.Plain:
 
 
 def error_of(text: str) -> str:
-    with pytest.raises(RobotFileError) as caught:
+    with pytest.raises(FileError) as caught:
         plain(text)
     return str(caught.value)
 
@@ -50,25 +51,25 @@ def error_of(text: str) -> str:
 def test_files_that_are_no_robot_files(tmp_path: Path, content: bytes, told: str) -> None:
     path = tmp_path / "robot.yaml"
     path.write_bytes(content)
-    with pytest.raises(RobotFileError) as caught:
+    with pytest.raises(FileError) as caught:
         load_robot(path)
     assert told in str(caught.value)
 
 
 def test_what_is_no_file(tmp_path: Path) -> None:
-    with pytest.raises(RobotFileError, match="this is a directory"):
+    with pytest.raises(FileError, match="this is a directory"):
         load_robot(tmp_path)
     pipe = tmp_path / "pipe.yaml"
     os.mkfifo(pipe)
-    with pytest.raises(RobotFileError, match="not an ordinary file"):
+    with pytest.raises(FileError, match="not an ordinary file"):
         load_robot(pipe)
     link = tmp_path / "link.yaml"
     link.symlink_to(tmp_path / "gone.yaml")
-    with pytest.raises(RobotFileError, match="no such file"):
+    with pytest.raises(FileError, match="no such file"):
         load_robot(link)
     loop = tmp_path / "loop.yaml"
     loop.symlink_to(loop)
-    with pytest.raises(RobotFileError, match="cannot be read"):
+    with pytest.raises(FileError, match="cannot be read"):
         load_robot(loop)
 
 

@@ -1,17 +1,15 @@
-"""Frames and ports of a robot file."""
+"""Frames as files give them: a place, turns, or a point to look at."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-
 import numpy as np
+from numpy.typing import NDArray
 
-from stiffkit.robot.entry import Entry
-from stiffkit.robot.model import BASE, Array, Link
-from stiffkit.robot.names import suggest
+from stiffkit.files.entry import Entry
 from stiffkit.spatial import Frame, axis_rotation, exp_rotation
 from stiffkit.units import ANGLE, LENGTH
+
+Array = NDArray[np.float64]
 
 
 def read_frame(
@@ -19,7 +17,7 @@ def read_frame(
 ) -> Frame:
     """Return the frame that the keys ``at``, ``rotate`` and ``towards`` of a mapping give.
 
-    Each may be absent. Raises RobotFileError where they contradict each other.
+    Each may be absent. Raises FileError where they contradict each other.
     """
     position = np.zeros(3)
     if (at_entry := entry.get(at)) is not None:
@@ -58,33 +56,3 @@ def _rotation_towards(entry: Entry, origin: Array) -> Array:
     if sine == 0.0:
         return axis_rotation("z", 0.0 if direction[0] > 0.0 else np.pi)
     return exp_rotation(across / sine * np.arctan2(sine, direction[0]))
-
-
-@dataclass(frozen=True, eq=False)
-class Port:
-    """Where a joint or the tool attaches."""
-
-    body: str
-    name: str
-    T_body_port: Frame
-
-
-def read_port(entry: Entry, links: Mapping[str, Link]) -> Port:
-    """Return the port that a text ``LINK``, ``LINK.PORT`` or ``base`` names.
-
-    Raises RobotFileError where there is no such link or port.
-    """
-    body, _, name = entry.text().partition(".")
-    name = name or BASE
-    if body == BASE:
-        if name != BASE:
-            raise entry.error(
-                f"the base has no port '{name}'", "write 'base', and give the place by 'at'"
-            )
-        return Port(BASE, BASE, Frame())
-    if body not in links:
-        raise entry.error(f"there is no link '{body}'", suggest(body, [*links, BASE]))
-    ports = links[body].ports
-    if name not in ports:
-        raise entry.error(f"link '{body}' has no port '{name}'", suggest(name, ports))
-    return Port(body, name, ports[name])

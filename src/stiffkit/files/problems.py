@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
-from stiffkit.errors import RobotFileError
+from stiffkit.errors import FileError
 
 _MOST_TOLD = 8
 
@@ -15,14 +15,14 @@ class Problems:
 
     def __init__(self) -> None:
         """Begin with none."""
-        self.errors: list[RobotFileError] = []
+        self.errors: list[FileError] = []
 
     @contextmanager
     def collect(self) -> Iterator[None]:
         """Keep an error that is raised inside, and go on."""
         try:
             yield
-        except RobotFileError as error:
+        except FileError as error:
             self.errors.append(error)
 
     def check(self) -> None:
@@ -30,7 +30,7 @@ class Problems:
         raise_all(self.errors)
 
 
-def raise_all(errors: Sequence[RobotFileError]) -> None:
+def raise_all(errors: Sequence[FileError]) -> None:
     """Raise the error that stands first in the file, with the others in its ``others``.
 
     Of errors that say the same of the same place, as copies of a wrong link do, one is told.

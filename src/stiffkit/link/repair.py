@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 import numpy as np
 
+from stiffkit.files.entry import Entry
 from stiffkit.link.checks import symmetrize
-from stiffkit.robot.entry import Entry
-from stiffkit.robot.model import Array
+from stiffkit.spatial.rotation import Array
 
 
 def repaired(
@@ -21,7 +21,7 @@ def repaired(
     """Return a matrix (n x n, SI) with the repairs made, and what was done in words.
 
     ``read`` reads the new value of element (i, j) in SI; words show values divided by ``scale``, as
-    the file writes them. Raises RobotFileError for a place outside the matrix.
+    the file writes them. Raises FileError for a place outside the matrix.
     """
     matrix = matrix.copy()
     notes = []

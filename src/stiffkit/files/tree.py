@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 
 import yaml
 
-from stiffkit.errors import RobotFileError
-from stiffkit.robot.source import Source
+from stiffkit.errors import FileError
+from stiffkit.files.source import Source
 from stiffkit.units import shorten
 
 MOST_NODES = 20_000
@@ -55,12 +55,12 @@ class Node:
         return None
 
 
-def read_tree(source: Source) -> Node:
-    """Return the tree of a YAML text.
+def read_tree(source: Source, begin: str = "robot: TITLE") -> Node:
+    """Return the tree of a YAML text, whose first line is like ``begin``.
 
     Values are what they look like: numbers are decimal (``1e5`` and ``010`` included), only
     ``true``, ``false``, ``null``, ``~`` and nothing at all are special, and whatever else is text.
-    Raises RobotFileError at syntax errors, duplicate keys, tags, and where the text is too deep or
+    Raises FileError at syntax errors, duplicate keys, tags, and where the text is too deep or
     expands to too much.
     """
     builder = _Builder(source)
@@ -70,7 +70,7 @@ def read_tree(source: Source) -> Node:
     except (yaml.YAMLError, ValueError) as error:
         raise _syntax_error(source, error) from None
     if builder.root is None:
-        raise RobotFileError("is empty", path=source.path, mend="begin with 'robot: TITLE'")
+        raise FileError("is empty", path=source.path, mend=f"begin with '{begin}'")
     return builder.root
 
 
@@ -101,9 +101,9 @@ class _Builder:
         self.stack: list[_Open] = []
         self.anchors: dict[str, Node] = {}
 
-    def error(self, what: str, line: int, mend: str = "") -> RobotFileError:
+    def error(self, what: str, line: int, mend: str = "") -> FileError:
         keys = [opened.key[0] for opened in self.stack if opened.key]
-        return RobotFileError(
+        return FileError(
             what, path=self.source.path, line=line, key=shorten(".".join(keys)), mend=mend
         )
 
@@ -186,7 +186,7 @@ class _Builder:
             )
         if len(self.stack) + node.depth > DEEPEST + 1:
             raise self.error(
-                f"nested more than {DEEPEST} levels deep", node.line, "no robot needs so many"
+                f"nested more than {DEEPEST} levels deep", node.line, "nothing needs so many"
             )
         if parent.key is None:
             parent.children.append(node)
@@ -234,12 +234,12 @@ def read_scalar(text: str) -> Scalar:
     return text
 
 
-def _syntax_error(source: Source, error: Exception) -> RobotFileError:
+def _syntax_error(source: Source, error: Exception) -> FileError:
     mark = getattr(error, "problem_mark", None)
     problem = getattr(error, "problem", None) or getattr(error, "reason", None) or "cannot be read"
     context = getattr(error, "context", None)
     told = f" ({context})" if context else ""
-    return RobotFileError(
+    return FileError(
         f"is not valid YAML: {problem}{told}",
         path=source.path,
         line=None if mark is None else mark.line + 1,

@@ -1,13 +1,13 @@
-"""A compliance that a robot file gives: units, explicit repairs, and checks."""
+"""A compliance that a file gives: units, explicit repairs, and checks."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from stiffkit.files.entry import Entry
 from stiffkit.link.checks import check_compliance
-from stiffkit.robot.entry import Entry
-from stiffkit.robot.model import Array
-from stiffkit.robot.repair import repaired
+from stiffkit.link.repair import repaired
+from stiffkit.spatial.rotation import Array
 from stiffkit.units import (
     COMPLIANCE_COUPLING,
     COMPLIANCE_ROTATION,
@@ -21,7 +21,7 @@ _METRES = {"m": 1.0, "mm": 1e-3}
 def read_compliance(entry: Entry) -> tuple[Array, list[str]]:
     """Return the compliance (6x6, SI) of a ``compliance`` mapping, and the repairs it asked for.
 
-    Raises RobotFileError where the matrix, repaired, is not that of an elastic body.
+    Raises FileError where the matrix, repaired, is not that of an elastic body.
     """
     units = entry["units"].text() if "units" in entry else "m"
     scale = _bare_scale(_METRES[units])

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from graphlib import CycleError, TopologicalSorter
 
 from stiffkit.errors import ExpressionError, UnitError
-from stiffkit.robot.expressions import Expression, is_expression
+from stiffkit.files.expressions import Expression, is_expression
 from stiffkit.units import Value, describe, parse_quantity, si_unit
 
 Given = str | float | Value

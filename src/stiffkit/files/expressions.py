@@ -20,7 +20,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 from stiffkit.errors import ExpressionError, StiffkitError
-from stiffkit.robot.arithmetic import (
+from stiffkit.files.arithmetic import (
     CONSTANTS,
     FUNCTIONS,
     add,
@@ -30,7 +30,7 @@ from stiffkit.robot.arithmetic import (
     power,
     subtract,
 )
-from stiffkit.robot.names import suggest
+from stiffkit.files.names import suggest
 from stiffkit.units import Value, is_unit, parse_quantity, shorten
 
 LONGEST_EXPRESSION = 300

@@ -1,4 +1,4 @@
-"""The shape of a robot file: JSON Schema's findings in an engineer's words."""
+"""The shape of a file: JSON Schema's findings in an engineer's words."""
 
 from __future__ import annotations
 
@@ -9,39 +9,36 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stiffkit.errors import RobotFileError
-from stiffkit.robot.names import Key, key_path, suggest
-from stiffkit.robot.problems import raise_all
-from stiffkit.robot.tree import Node, Plain
+from stiffkit.errors import FileError
+from stiffkit.files.names import Key, key_path, suggest
+from stiffkit.files.problems import raise_all
+from stiffkit.files.tree import Node, Plain
 from stiffkit.units import shorten
 
 if TYPE_CHECKING:
     from jsonschema import Draft202012Validator
     from jsonschema.exceptions import ValidationError
 
-SCHEMA_FILE = Path(__file__).with_name("schema.json")
-"""The published schema; editors that know JSON Schema complete and check robot files with it."""
-
 _MOST_ERRORS = 5
 
 
-def check_shape(root: Node, path: Path) -> None:
-    """Check that a file has the keys and the kinds of values that a robot file has.
+def check_shape(root: Node, path: Path, schema_file: Path) -> None:
+    """Check that a file has the keys and the kinds of values that its JSON Schema asks for.
 
-    Raises RobotFileError at the first wrong place, with the others in ``others``.
+    Raises FileError at the first wrong place, with the others in ``others``.
     """
-    validator, schema = _validator()
+    validator, schema = _validator(schema_file)
     errors = islice(validator.iter_errors(root.plain()), _MOST_ERRORS)
     found = [_Finding(error, root, path, schema).translate() for error in errors]
     raise_all(found)
 
 
 @cache
-def _validator() -> tuple[Draft202012Validator, Mapping[str, Any]]:
+def _validator(schema_file: Path) -> tuple[Draft202012Validator, Mapping[str, Any]]:
     # Slow to import, and not needed before the first file.
     from jsonschema import Draft202012Validator
 
-    schema = json.loads(SCHEMA_FILE.read_text(encoding="utf-8"))
+    schema = json.loads(schema_file.read_text(encoding="utf-8"))
     return Draft202012Validator(schema), schema
 
 
@@ -71,7 +68,7 @@ class _Finding:
         self.limit: Any = error.validator_value
         self.keys: list[Key] = list(error.absolute_path)
 
-    def translate(self) -> RobotFileError:
+    def translate(self) -> FileError:
         match self.error.validator:
             case "additionalProperties":
                 return self.unknown_key()
@@ -81,9 +78,9 @@ class _Finding:
                 return self.wrong_name()
         return self.tell(self.words(), self.example())
 
-    def tell(self, what: str, mend: str, *further: Key) -> RobotFileError:
+    def tell(self, what: str, mend: str, *further: Key) -> FileError:
         keys = [*self.keys, *further]
-        return RobotFileError(
+        return FileError(
             what,
             path=self.path,
             line=line_of(self.root, keys),
@@ -91,17 +88,17 @@ class _Finding:
             mend=mend,
         )
 
-    def unknown_key(self) -> RobotFileError:
+    def unknown_key(self) -> FileError:
         known = self.subschema.get("properties", {})
         name = next(key for key in self.value if key not in known)
         return self.tell(f"unknown key '{shorten(name)}'", suggest(name, known), name)
 
-    def missing_key(self) -> RobotFileError:
+    def missing_key(self) -> FileError:
         name = next(key for key in self.limit if key not in self.value)
         example = _example_of(self.subschema.get("properties", {}).get(name, {}), self.schema)
         return self.tell(f"'{name}' is missing", f"add it, for example '{example}'")
 
-    def wrong_name(self) -> RobotFileError:
+    def wrong_name(self) -> FileError:
         name = self.value
         return self.tell(
             f"'{shorten(name)}' is not allowed here", str(self.subschema["description"]), name

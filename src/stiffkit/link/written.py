@@ -1,19 +1,19 @@
-"""Beams of a robot file: their section and their material."""
+"""How sections and materials are written in files."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
 from stiffkit.errors import LinkError
+from stiffkit.files.entry import Entry
+from stiffkit.files.names import suggest
 from stiffkit.link.materials import MATERIALS, Material
 from stiffkit.link.sections import Section, box, rectangle, round_bar, tube
-from stiffkit.robot.entry import Entry
-from stiffkit.robot.names import suggest
 from stiffkit.units import AREA, DENSITY, LENGTH, NUMBER, PRESSURE, SECOND_MOMENT
 
 
 def read_section(entry: Entry) -> Section:
-    """Return the cross-section of a beam. Raises RobotFileError where no beam can have it."""
+    """Return the cross-section of a beam. Raises FileError where no beam can have it."""
     (kind, given), *_ = entry.items()
     try:
         match kind:
@@ -48,7 +48,7 @@ def _given_section(entry: Entry) -> Section:
 def read_materials(entry: Entry | None) -> dict[str, Material]:
     """Return the built-in materials and those of the file.
 
-    Raises RobotFileError where one cannot exist, or has the name of a built-in one.
+    Raises FileError where one cannot exist, or has the name of a built-in one.
     """
     materials = dict(MATERIALS)
     for name, given in [] if entry is None else entry.items():
@@ -67,7 +67,7 @@ def read_materials(entry: Entry | None) -> dict[str, Material]:
 
 
 def read_material(entry: Entry, materials: Mapping[str, Material]) -> Material:
-    """Return the material that a text names. Raises RobotFileError where there is none."""
+    """Return the material that a text names. Raises FileError where there is none."""
     name = entry.text()
     if name not in materials:
         raise entry.error(f"there is no material '{name}'", suggest(name, materials))

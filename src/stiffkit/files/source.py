@@ -7,7 +7,7 @@ import stat
 from dataclasses import dataclass
 from pathlib import Path
 
-from stiffkit.errors import RobotFileError
+from stiffkit.errors import FileError
 
 LARGEST_FILE = 1024 * 1024
 """Bytes; more than this is never read."""
@@ -26,7 +26,7 @@ class Source:
 def read_source(path: Path) -> Source:
     """Read a text file.
 
-    Raises RobotFileError where it is no ordinary file, cannot be read, is larger than 1 MiB, or is
+    Raises FileError where it is no ordinary file, cannot be read, is larger than 1 MiB, or is
     not UTF-8 text.
     """
     content = _read_bytes(path)
@@ -38,28 +38,28 @@ def _read_bytes(path: Path) -> bytes:
         status = path.stat()
         if not stat.S_ISREG(status.st_mode):
             what = "a directory" if stat.S_ISDIR(status.st_mode) else "not an ordinary file"
-            raise RobotFileError(f"this is {what}", path=path, mend="give the path of a YAML file")
+            raise FileError(f"this is {what}", path=path, mend="give the path of a YAML file")
         if status.st_size > LARGEST_FILE:
             raise _too_large(path)
         with path.open("rb") as file:
             content = file.read(LARGEST_FILE + 1)
     except FileNotFoundError:
-        raise RobotFileError("there is no such file", path=path, mend="check the path") from None
+        raise FileError("there is no such file", path=path, mend="check the path") from None
     except (OSError, ValueError) as error:
         # ValueError: a path with a NUL character.
         reason = getattr(error, "strerror", None) or str(error)
-        raise RobotFileError(f"cannot be read: {reason}", path=path) from None
+        raise FileError(f"cannot be read: {reason}", path=path) from None
     # It may have grown since its size was asked for.
     if len(content) > LARGEST_FILE:
         raise _too_large(path)
     return content
 
 
-def _too_large(path: Path) -> RobotFileError:
-    return RobotFileError(
+def _too_large(path: Path) -> FileError:
+    return FileError(
         f"is larger than {LARGEST_FILE // 1024} KiB",
         path=path,
-        mend="robot files are small; is this the right file?",
+        mend="files of this kind are small; is this the right one?",
     )
 
 
@@ -67,14 +67,14 @@ def _decode(path: Path, content: bytes) -> str:
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise RobotFileError(
+        raise FileError(
             f"is not UTF-8 text (byte {error.start + 1})",
             path=path,
             line=content.count(b"\n", 0, error.start) + 1,
             mend="save it as plain text in UTF-8",
         ) from None
     if "\0" in text:
-        raise RobotFileError(
+        raise FileError(
             "is not a text file (it holds NUL characters)",
             path=path,
             line=text.count("\n", 0, text.index("\0")) + 1,

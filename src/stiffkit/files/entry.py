@@ -1,4 +1,4 @@
-"""A place in a robot file: its value, and what an error there needs to say."""
+"""A place in a file: its value, and what an error there needs to say."""
 
 from __future__ import annotations
 
@@ -9,13 +9,15 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
-from stiffkit.errors import ExpressionError, LinkError, RobotFileError, UnitError
-from stiffkit.robot.model import Array
-from stiffkit.robot.names import Key, key_path, suggest
-from stiffkit.robot.parameters import evaluate
-from stiffkit.robot.tree import Node
+from stiffkit.errors import ExpressionError, FileError, LinkError, UnitError
+from stiffkit.files.names import Key, key_path, suggest
+from stiffkit.files.parameters import evaluate
+from stiffkit.files.tree import Node
 from stiffkit.units import ANGLE, LENGTH, Dimension, Value, to_si
+
+Array = NDArray[np.float64]
 
 _NAME = re.compile(r"[\w-]+")
 _VARIABLE = re.compile(r"\{([^{}]*)\}")
@@ -41,17 +43,17 @@ class Scope:
 
 @dataclass(frozen=True)
 class Entry:
-    """A value in a robot file whose shape has been checked, with its place and its scope."""
+    """A value in a file whose shape has been checked, with its place and its scope."""
 
     path: Path
     keys: tuple[Key, ...]
     node: Node
     scope: Scope = field(default_factory=Scope)
 
-    def error(self, what: str, mend: str = "") -> RobotFileError:
+    def error(self, what: str, mend: str = "") -> FileError:
         """Return an error at this place."""
         key = key_path(self.keys) + self.scope.label
-        return RobotFileError(what, path=self.path, line=self.node.line, key=key, mend=mend)
+        return FileError(what, path=self.path, line=self.node.line, key=key, mend=mend)
 
     # --- inside ---
 
@@ -65,7 +67,7 @@ class Entry:
         return None if node is None else replace(self, keys=(*self.keys, key), node=node)
 
     def __getitem__(self, key: Key) -> Entry:
-        """Return what stands under a key or an index. Raises RobotFileError if there is nothing."""
+        """Return what stands under a key or an index. Raises FileError if there is nothing."""
         entry = self.get(key)
         if entry is None:
             raise self.error(f"'{key}' is missing")
@@ -79,7 +81,7 @@ class Entry:
     def items(self) -> Iterator[tuple[str, Entry]]:
         """Yield the names of a mapping, variables filled in, and what stands under them.
 
-        Raises RobotFileError where filling in makes no name, or one that is there already.
+        Raises FileError where filling in makes no name, or one that is there already.
         """
         seen: set[str] = set()
         for key in self.node.value if isinstance(self.node.value, dict) else ():
@@ -120,7 +122,7 @@ class Entry:
     # --- quantities ---
 
     def value(self) -> Value:
-        """Return a quantity. Raises RobotFileError where it cannot be read or evaluated."""
+        """Return a quantity. Raises FileError where it cannot be read or evaluated."""
         given = self.node.value
         if given is None or isinstance(given, dict | list):
             raise self.error("a quantity is expected here", "for example '310 mm'")
@@ -132,7 +134,7 @@ class Entry:
             raise self.error(error.what, error.mend) from None
 
     def quantity(self, dimension: Dimension) -> float:
-        """Return a quantity in SI. Raises RobotFileError where it has another dimension."""
+        """Return a quantity in SI. Raises FileError where it has another dimension."""
         value = self.value()
         try:
             si = to_si(value, dimension)
@@ -152,7 +154,7 @@ class Entry:
         return si
 
     def positive(self, dimension: Dimension) -> float:
-        """Return a quantity in SI. Raises RobotFileError where it is not positive."""
+        """Return a quantity in SI. Raises FileError where it is not positive."""
         si = self.quantity(dimension)
         if si <= 0.0:
             raise self.error(
@@ -162,7 +164,7 @@ class Entry:
         return si
 
     def not_negative(self, dimension: Dimension) -> float:
-        """Return a quantity in SI. Raises RobotFileError where it is negative."""
+        """Return a quantity in SI. Raises FileError where it is negative."""
         si = self.quantity(dimension)
         if si < 0.0:
             raise self.error(
@@ -182,6 +184,6 @@ class Entry:
         """Return a length or an angle in SI, whichever a direction of x..rz has."""
         return self.quantity(ANGLE if direction.startswith("r") else LENGTH)
 
-    def blame(self, error: LinkError) -> RobotFileError:
+    def blame(self, error: LinkError) -> FileError:
         """Return what is wrong with a link's data as an error at this place."""
         return self.error(error.what, error.mend)
