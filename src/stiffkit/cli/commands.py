@@ -153,11 +153,12 @@ def pose(
 )
 @click.option(
     "--model",
-    type=click.Choice(["refined", "lumped", "simplified"]),
+    type=click.Choice(["refined", "lumped", "lumped-eq25", "simplified"]),
     default="refined",
     show_default=True,
     help="refined: links as beam elements; lumped: links as rigid elements joined by springs; "
-    "simplified: drives and the platform's mass only.",
+    "lumped-eq25: the same with passive joints as eq. 25 of Briot et al. 2009 makes them, for "
+    "comparison; simplified: drives and the platform's mass only.",
 )
 @click.option(
     "--elements",
@@ -274,16 +275,16 @@ def map_(robot: str, output: Path | None, points: int | None, settings: tuple[st
 
 
 @main.command()
-def schema() -> None:
-    """Print the JSON Schema of robot files, for editors.
+@click.argument("kind", type=click.Choice(["robot", "link"]), default="robot")
+def schema(kind: str) -> None:
+    """Print the JSON Schema of robot files or of link files, for editors.
 
     Example:  stiffkit schema > robot.schema.json
     """
     from importlib.resources import files
 
-    click.echo(
-        files("stiffkit.robot").joinpath("schema.json").read_text(encoding="utf-8"), nl=False
-    )
+    text = files(f"stiffkit.{kind}").joinpath("schema.json").read_text(encoding="utf-8")
+    click.echo(text, nl=False)
 
 
 @main.command()

@@ -12,12 +12,14 @@ from stiffkit.files.problems import Problems
 from stiffkit.files.schema import check_shape
 from stiffkit.files.source import Source, read_source
 from stiffkit.files.tree import Node, read_tree
+from stiffkit.files.write import Row, write_yaml
 
 __all__ = [
     "Entry",
     "Given",
     "Node",
     "Problems",
+    "Row",
     "Scope",
     "Source",
     "check_shape",
@@ -25,4 +27,5 @@ __all__ = [
     "read_source",
     "read_tree",
     "suggest",
+    "write_yaml",
 ]

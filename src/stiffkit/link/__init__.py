@@ -1,4 +1,4 @@
-"""Elastic links: beam sections, materials, beams, and checks of data that somebody gives."""
+"""Elastic links: beams, given compliances, superelements, link files, and checks of all these."""
 
 from stiffkit.link.beam import beam_compliance, beam_inertia
 from stiffkit.link.checks import (
@@ -18,6 +18,7 @@ from stiffkit.link.sections import (
     round_bar,
     tube,
 )
+from stiffkit.link.superelement import Superelement
 
 __all__ = [
     "MATERIALS",
@@ -25,6 +26,7 @@ __all__ = [
     "Line",
     "Material",
     "Section",
+    "Superelement",
     "beam_compliance",
     "beam_inertia",
     "beam_line",

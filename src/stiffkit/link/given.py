@@ -1,17 +1,18 @@
-"""A compliance that a file gives: units, explicit repairs, and checks."""
+"""Compliances and inertias that a file gives: units, explicit repairs, and checks."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from stiffkit.files.entry import Entry
-from stiffkit.link.checks import check_compliance
+from stiffkit.link.checks import check_compliance, check_inertia
 from stiffkit.link.repair import repaired
 from stiffkit.spatial.rotation import Array
 from stiffkit.units import (
     COMPLIANCE_COUPLING,
     COMPLIANCE_ROTATION,
     COMPLIANCE_TRANSLATION,
+    INERTIA,
     Dimension,
 )
 
@@ -40,6 +41,28 @@ def read_compliance(entry: Entry) -> tuple[Array, list[str]]:
     if faults:
         raise entry["matrix"].error("; ".join(faults), _mend(faults))
     return matrix, notes
+
+
+def read_inertia(entry: Entry, mass: float | None) -> tuple[Array, list[str]]:
+    """Return the inertia (3x3, kg m^2) about the centre of mass, and the repairs it asked for.
+
+    Raises FileError where no body of this mass (kg) has it.
+    """
+    printed = entry.get("matrix") or entry
+    inertia = printed.matrix(INERTIA)
+    notes: list[str] = []
+    if printed is not entry and (repair := entry.get("repair")) is not None:
+        inertia, notes = repaired(
+            inertia, repair, "inertia", lambda e, _i, _j: e.quantity(INERTIA), np.ones((3, 3))
+        )
+    # An inertia may be known without its mass, which takes no part in the other checks.
+    faults = check_inertia(1.0 if mass is None else mass, inertia)
+    if faults:
+        raise printed.error(
+            "; ".join(faults),
+            "correct it; or write 'inertia: {matrix: ..., repair: {entries: {...}}}'",
+        )
+    return inertia, notes
 
 
 def _bare_scale(metres: float) -> Array:

@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.linalg import eigh
 
 from stiffkit.link.line import Line
+from stiffkit.link.reduction import craig_bampton
+from stiffkit.spatial import twist_shift
 from stiffkit.spatial.rotation import Array, skew
-
-_MASSLESS = 1e-12
-"""Modes whose squared period is below this share of the longest one have no mass but rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,9 +34,42 @@ class Superelement:
     shapes: Array = field(default_factory=lambda: np.zeros((0, 0)))
     """(6 s, 12 + n): twists at the stations, link axes, for base, tip and modes."""
 
-    def with_compliance(self, compliance: Array) -> Superelement:
-        """Return the same masses and modes with another static compliance."""
-        return replace(self, compliance=compliance)
+    def stiffness(self, tip: Array) -> Array:
+        """Return the stiffness (12 + n, 12 + n) of base, tip at ``tip`` (3,) m, and modes."""
+        relative = np.hstack([-twist_shift(tip), np.eye(6)])
+        n = self.mode_stiffness.size
+        K = np.zeros((12 + n, 12 + n))
+        K[:12, :12] = relative.T @ np.linalg.solve(self.compliance, relative)
+        K[:12, :12] = (K[:12, :12] + K[:12, :12].T) / 2.0
+        K[range(12, 12 + n), range(12, 12 + n)] = self.mode_stiffness
+        return K
+
+    def lowest(self, n_modes: int | None) -> Superelement:
+        """Return the same with its lowest ``n_modes`` only, all if None."""
+        n = self.mode_stiffness[:n_modes].size
+        ports = self.mass.shape[0] - self.mode_stiffness.size
+        return replace(
+            self,
+            mode_stiffness=self.mode_stiffness[:n],
+            mass=self.mass[: ports + n, : ports + n],
+            shapes=self.shapes[:, : ports + n],
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Struck:
+    """Directions whose rows and columns are struck out of the springs at the ends of a lumped link.
+
+    S. Briot, A. Pashkevich, D. Chablat, 2009, eq. 25: so the paper makes passive joints out of the
+    springs beside them. What is struck out of a stiffness is held in the compliance: the joint
+    turns freely, but the spring beside it is stiffer in the other directions than the link is.
+    """
+
+    at_base: Array
+    """(6, n), unit directions (translation; rotation) in link axes."""
+    at_tip: Array
+    """(6, m)."""
+    rule: str = "passive directions struck out of the springs beside joints (Briot 2009, eq. 25)"
 
 
 def consistent_superelement(line: Line, n_elements: int, n_modes: int | None) -> Superelement:
@@ -58,7 +89,7 @@ def consistent_superelement(line: Line, n_elements: int, n_modes: int | None) ->
         M[at, at] += mass
     rule = f"{line.rule}, {n_elements} consistent elements"
     stations = np.asarray(h * np.arange(n_elements + 1), dtype=float)
-    return _craig_bampton(K, M, line, stations, n_modes, rule)
+    return _reduced(K, M, line, stations, n_modes, rule)
 
 
 def _element(line: Line, start: float, h: float) -> tuple[Array, Array]:
@@ -91,17 +122,20 @@ def _piece_compliance(line: Line, h: float) -> Array:
     return np.asarray(h * kappa + h**2 / 2 * (N @ kappa + kappa @ N.T) + h**3 / 3 * N @ kappa @ N.T)
 
 
-def lumped_superelement(line: Line, n_bodies: int, n_modes: int | None) -> Superelement:
+def lumped_superelement(
+    line: Line, n_bodies: int, n_modes: int | None, struck: Struck | None = None
+) -> Superelement:
     """Return the superelement of a line cut into rigid elements joined by full 6x6 springs.
 
     E. Wittbrodt, I. Adamiec-Wojcik, S. Wojciech, Dynamics of Flexible Multibody Systems, 2006, with
     the springs' coupling of Briot et al. 2009, section 3.2: the line is cut into ``n_bodies - 1``
     pieces, a spring with the compliance of the whole piece stands in the middle of each, and what
-    lies between springs is rigid. The static compliance of the line is kept exactly.
+    lies between springs is rigid. The static compliance of the line is kept exactly, but for
+    directions that are ``struck`` out of a spring.
     """
     pieces = n_bodies - 1
     h = line.length / pieces
-    springs = (np.arange(pieces) + 0.5) * h
+    springs = np.asarray((np.arange(pieces) + 0.5) * h, dtype=float)
     cuts = np.array([0.0, *springs, line.length])
     N, eye = line.carry(), np.eye(6)
     # Element 0 is followed at the base, the last one at the tip, the others at their middles.
@@ -120,7 +154,21 @@ def lumped_superelement(line: Line, n_bodies: int, n_modes: int | None) -> Super
         own = slice(6 * i, 6 * i + 6)
         M[own, own] = _rigid_piece_mass(line, cuts[i], cuts[i + 1], reads[i])
     rule = f"{line.rule}, {n_bodies} rigid elements joined by springs"
-    return _craig_bampton(K, M, line, reads, n_modes, rule)
+    if struck is None:
+        return _reduced(K, M, line, reads, n_modes, rule)
+    ties = _ties(struck, springs, reads, N)
+    return _reduced(K, M, line, reads, n_modes, f"{rule}, {struck.rule}", ties)
+
+
+def _ties(struck: Struck, springs: Array, reads: Array, N: Array) -> Array:
+    """Return rows (c, 6 n_bodies) that are zero where the struck directions do not yield."""
+    rows = []
+    for directions, i in ((struck.at_base, 0), (struck.at_tip, springs.size - 1)):
+        relative = np.zeros((6, 6 * reads.size))
+        relative[:, 6 * i : 6 * i + 6] = -(np.eye(6) + (springs[i] - reads[i]) * N)
+        relative[:, 6 * i + 6 : 6 * i + 12] = np.eye(6) + (springs[i] - reads[i + 1]) * N
+        rows.append(directions.T @ relative)
+    return np.concatenate(rows)
 
 
 def _rigid_piece_mass(line: Line, start: float, end: float, read: float) -> Array:
@@ -135,37 +183,27 @@ def _rigid_piece_mass(line: Line, start: float, end: float, read: float) -> Arra
     return mass
 
 
-def _craig_bampton(
-    K: Array, M: Array, line: Line, stations: Array, n_modes: int | None, rule: str
+def _reduced(
+    K: Array,
+    M: Array,
+    line: Line,
+    stations: Array,
+    n_modes: int | None,
+    rule: str,
+    ties: Array | None = None,
 ) -> Superelement:
-    """Reduce a chain (first six unknowns base, last six tip) to its ports and fixed-port modes.
-
-    R. R. Craig, M. C. C. Bampton, "Coupling of substructures for dynamic analyses", AIAA J. 6(7),
-    1968.
-    """
+    """Return the superelement of a chain of bodies, the first at the base, the last at the tip."""
     ports = np.r_[0:6, K.shape[0] - 6 : K.shape[0]]
-    inner = np.arange(6, K.shape[0] - 6)
-    follow = -np.linalg.solve(K[np.ix_(inner, inner)], K[np.ix_(inner, ports)])
-    values, modes = _lowest_modes(K[np.ix_(inner, inner)], M[np.ix_(inner, inner)], n_modes)
-    basis = np.zeros((K.shape[0], 12 + values.size))
-    basis[ports, :12] = np.eye(12)
-    basis[inner, :12] = follow
-    basis[inner, 12:] = modes
-    compliance = _piece_compliance(line, line.length)
-    return Superelement(compliance, values, basis.T @ M @ basis, rule, stations, basis)
-
-
-def _lowest_modes(K: Array, M: Array, n: int | None) -> tuple[Array, Array]:
-    """Return squared angular frequencies (n,) and modes (m, n) of unit modal mass, lowest first.
-
-    M may be singular, as that of a line without moment of inertia about itself: what has no mass
-    has no mode.
-    """
-    # The stiffness is the definite one of the two; the eigenvalues are 1/omega^2.
-    inverses, modes = eigh(M, K)
-    massive = inverses > _MASSLESS * inverses.max(initial=0.0)
-    inverses, modes = inverses[massive][::-1][:n], modes[:, massive][:, ::-1][:, :n]
-    return 1.0 / inverses, modes / np.sqrt(inverses)
+    reduced = craig_bampton(K, M, ports, n_modes, ties)
+    # Without ties the line's own compliance is known free of rounding.
+    compliance = (
+        _piece_compliance(line, line.length)
+        if ties is None
+        else np.asarray(np.linalg.inv(reduced.stiffness[6:, 6:]))
+    )
+    return Superelement(
+        compliance, reduced.mode_stiffness, reduced.mass, rule, stations, reduced.basis
+    )
 
 
 def massless_superelement(compliance: Array) -> Superelement:

@@ -5,23 +5,21 @@ from __future__ import annotations
 from collections.abc import Mapping
 from graphlib import CycleError, TopologicalSorter
 
-import numpy as np
-
 from stiffkit.errors import LinkError
 from stiffkit.files.entry import Entry
 from stiffkit.files.frames import read_frame
 from stiffkit.files.names import suggest
 from stiffkit.files.problems import Problems
 from stiffkit.link.beam import beam_compliance, beam_inertia
-from stiffkit.link.checks import check_inertia, doubts_compliance, doubts_inertia
-from stiffkit.link.given import read_compliance
+from stiffkit.link.checks import doubts_compliance, doubts_inertia
+from stiffkit.link.file import find_link_file, read_link_file, read_tip
+from stiffkit.link.given import read_compliance, read_inertia
 from stiffkit.link.line import beam_line
 from stiffkit.link.materials import Material
-from stiffkit.link.repair import repaired
 from stiffkit.link.written import read_material, read_section
 from stiffkit.robot.model import BASE, Array, Link
 from stiffkit.spatial import Frame
-from stiffkit.units import INERTIA, LENGTH, MASS
+from stiffkit.units import LENGTH, MASS
 
 TIP = "tip"
 BODIES = ("beam", "rigid", "compliance")
@@ -146,11 +144,13 @@ class _LinkReader:
         )
 
     def given(self, entry: Entry) -> Link:
+        if isinstance(entry.node.value, str):
+            return self.from_file(entry)
         compliance, repairs = read_compliance(entry)
         self.notes.extend(repairs)
         return Link(
             self.name,
-            _two_ports(self.given_tip(entry)),
+            _two_ports(read_tip(entry)),
             compliance=compliance,
             mass=self.mass(),
             center_of_mass=self.center(None),
@@ -158,14 +158,27 @@ class _LinkReader:
             origin="compliance",
         )
 
-    def given_tip(self, entry: Entry) -> Frame:
-        tip, length = entry.get(TIP), entry.get("length")
-        if (tip is None) == (length is None):
-            what = "neither 'tip' nor 'length' is" if tip is None else "'tip' and 'length' are both"
-            raise entry.error(f"{what} given", "say where the tip is by one of the two")
-        if length is not None:
-            return Frame.at(length.positive(LENGTH))
-        return read_frame(entry[TIP])
+    def from_file(self, entry: Entry) -> Link:
+        found = read_link_file(find_link_file(entry))
+        self.notes.extend(found.notes)
+        own = [key for key in ("mass", "center_of_mass", "inertia") if key in self.fields]
+        if own and found.superelement is not None:
+            raise self.fields[own[0]].error(
+                f"the superelement of {entry.text()} has a mass of its own", "leave this out"
+            )
+        mass = self.mass()
+        return Link(
+            self.name,
+            _two_ports(found.T_link_tip),
+            compliance=found.compliance,
+            mass=found.mass if mass is None else mass,
+            center_of_mass=self.center(found.center_of_mass),
+            inertia=self.inertia(found.inertia),
+            origin=entry.text(),
+            superelement=found.superelement,
+            covariance=found.covariance,
+            content_hash=found.content_hash,
+        )
 
     def rigid(self, entry: Entry) -> Link:
         ports = {BASE: Frame()}
@@ -199,21 +212,8 @@ class _LinkReader:
         entry = self.fields.get("inertia")
         if entry is None:
             return default
-        printed = entry.get("matrix") or entry
-        inertia = printed.matrix(INERTIA)
-        if printed is not entry and (repair := entry.get("repair")) is not None:
-            inertia, notes = repaired(
-                inertia, repair, "inertia", lambda e, _i, _j: e.quantity(INERTIA), np.ones((3, 3))
-            )
-            self.notes.extend(notes)
-        mass = self.mass()
-        # An inertia may be known without its mass, which takes no part in the other checks.
-        faults = check_inertia(1.0 if mass is None else mass, inertia)
-        if faults:
-            raise printed.error(
-                "; ".join(faults),
-                "correct it; or write 'inertia: {matrix: ..., repair: {entries: {...}}}'",
-            )
+        inertia, notes = read_inertia(entry, self.mass())
+        self.notes.extend(notes)
         return inertia
 
     def doubt(self, link: Link) -> None:

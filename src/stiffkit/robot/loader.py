@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -11,13 +12,13 @@ from stiffkit.files.expressions import RESERVED_NAMES
 from stiffkit.files.names import suggest
 from stiffkit.files.parameters import Given, ParameterError, check_same_dimension, resolve
 from stiffkit.files.schema import check_shape
-from stiffkit.files.source import read_source
+from stiffkit.files.source import Source, read_source
 from stiffkit.files.tree import read_tree
 from stiffkit.link.written import read_materials
 from stiffkit.robot.catalogue import find_robot
 from stiffkit.robot.joints import check_connected, read_joints
 from stiffkit.robot.links import read_links
-from stiffkit.robot.model import Parameter, Robot
+from stiffkit.robot.model import Link, Parameter, Robot
 from stiffkit.robot.parts import read_parts
 from stiffkit.robot.task import read_home, read_loads, read_tool, read_workspace
 from stiffkit.units import Value
@@ -56,10 +57,18 @@ def load_robot(path_or_name: str | Path, parameters: Mapping[str, Given] | None 
         loads=read_loads(entry.get("loads")),
         parameters={name: Parameter(name, value.si, value.unit) for name, value in values.items()},
         source=path,
-        content_hash=source.content_hash,
+        content_hash=_hash_of_all(source, links),
         lines={section: given.node.line for section, given in entry.items()},
         notes=(*notes, *link_notes),
     )
+
+
+def _hash_of_all(source: Source, links: Mapping[str, Link]) -> str:
+    """Return the hash of a robot file and of the link files that it takes."""
+    hashes = [link.content_hash for link in links.values() if link.content_hash]
+    if not hashes:
+        return source.content_hash
+    return hashlib.sha256("".join([source.content_hash, *hashes]).encode()).hexdigest()
 
 
 def _parameters(root: Entry, overrides: Mapping[str, Given]) -> tuple[dict[str, Value], list[str]]:

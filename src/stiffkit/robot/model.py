@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from stiffkit.link import Line
+from stiffkit.link import Line, Superelement
 from stiffkit.spatial import Frame
 
 Array = NDArray[np.float64]
@@ -54,9 +54,15 @@ class Link:
     inertia: Array | None = None
     """3x3, kg m^2, about the centre of mass, axes of the link frame."""
     origin: str = "rigid"
-    """How the link was given: rigid, beam, compliance."""
+    """How the link was given: rigid, beam, compliance, or the name of a link file."""
     line: Line | None = None
     """Elasticity and mass along the link, where they are known: those of a beam."""
+    superelement: Superelement | None = None
+    """Mass and modes of the link, where somebody reduced it already; its mass is this one's."""
+    content_hash: str = ""
+    """SHA-256 of the link file, where there is one."""
+    covariance: Array | None = None
+    """(36, 36), SI, of the elements of the compliance row by row, where it was identified."""
 
 
 @dataclass(frozen=True, eq=False)

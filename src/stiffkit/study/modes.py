@@ -22,15 +22,18 @@ from stiffkit.vibration import (
     describe_mode,
     draw_modes,
     simplified_modes,
+    struck_robot,
 )
 
 Array = NDArray[np.float64]
 
-VibrationModel = Literal["refined", "lumped", "simplified"]
+VibrationModel = Literal["refined", "lumped", "lumped-eq25", "simplified"]
 """refined: links as consistent beam elements; lumped: links as rigid elements joined by springs
-(Briot et al. 2009, section 3.2); simplified: drives and platform mass only (section 3.1)."""
+(Briot et al. 2009, section 3.2), passive joints condensed; lumped-eq25: the same with passive
+joints as the paper prints them, for comparison; simplified: drives and platform mass only
+(section 3.1)."""
 
-MODELS_OF_VIBRATION: tuple[VibrationModel, ...] = ("refined", "lumped", "simplified")
+MODELS_OF_VIBRATION: tuple[VibrationModel, ...] = ("refined", "lumped", "lumped-eq25", "simplified")
 
 LUMPED_ELEMENTS = 20
 """Rigid elements of each link, as in Briot et al. 2009, section 3.2."""
@@ -132,6 +135,8 @@ def analyse_modes(
     if n < 1:
         raise PoseError(f"{n} modes were asked for", mend="ask for one at least")
     analysis = robot if isinstance(robot, Analysis) else Analysis(robot, prefer=at)
+    if model == "lumped-eq25" and how is not None:
+        analysis = Analysis(struck_robot(analysis.robot, how.n_elements), prefer=at)
     modal = _modal_model(analysis, how)
     postures = analysis.kinematics.solve_at(at)
     if not postures.reached[0]:
@@ -155,13 +160,15 @@ def _discretisation(model: VibrationModel, n_elements: int | None) -> Discretisa
                 mend="leave the number of elements out, or take another model",
             )
         return None
-    fewest = 2 if model == "lumped" else 1
+    is_lumped = model.startswith("lumped")
+    # A struck spring needs a body on its other side that is no port.
+    fewest = {"lumped": 2, "lumped-eq25": 4}.get(model, 1)
     if n_elements is not None and n_elements < fewest:
         raise PoseError(
             f"{n_elements} elements of each link are too few for the {model} model",
             mend=f"ask for {fewest} at least",
         )
-    if model == "lumped":
+    if is_lumped:
         return Discretisation("lumped", n_elements or LUMPED_ELEMENTS, None)
     # Who asks for a number of elements wants to see what they do, without another reduction.
     return (

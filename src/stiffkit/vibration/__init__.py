@@ -16,6 +16,7 @@ from stiffkit.vibration.simplified import (
     simplified_frequencies,
     simplified_modes,
 )
+from stiffkit.vibration.struck import struck_robot
 from stiffkit.vibration.words import describe_mode
 
 __all__ = [
@@ -35,4 +36,5 @@ __all__ = [
     "platform_mass",
     "simplified_frequencies",
     "simplified_modes",
+    "struck_robot",
 ]

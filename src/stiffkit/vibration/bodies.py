@@ -63,18 +63,22 @@ def make_bodies(robot: Robot, how: Discretisation) -> Bodies:
     rigid: dict[str, Array] = {}
     elastic: dict[str, Superelement] = {}
     for name, link in robot.links.items():
+        if link.superelement is not None:
+            elastic[name] = link.superelement.lowest(how.n_modes)
+            continue
         if not link.mass:
             continue
-        line = _line(link) if link.compliance is not None else None
+        line = link_line(link) if link.compliance is not None else None
         if line is None:
             center = np.zeros(3) if link.center_of_mass is None else link.center_of_mass
             rigid[name] = rigid_mass(link.mass, center, link.inertia)
         else:
-            elastic[name] = _superelement(link, line, how)
+            # What the link yields at its tip is its own compliance, whatever the line's is.
+            elastic[name] = _superelement(line, how)
     return Bodies(rigid, elastic, robot.tool.mass or 0.0)
 
 
-def _line(link: Link) -> Line | None:
+def link_line(link: Link) -> Line | None:
     """Return an elastic link as a line; None where its mass goes along with its base.
 
     That is so where the tip lies at the base, or the centre of mass so near to it that no mass
@@ -93,8 +97,6 @@ def _line(link: Link) -> Line | None:
         raise LinkError(f"links.{link.name}: {error.what}", mend=error.mend) from None
 
 
-def _superelement(link: Link, line: Line, how: Discretisation) -> Superelement:
+def _superelement(line: Line, how: Discretisation) -> Superelement:
     make = consistent_superelement if how.model == "consistent" else lumped_superelement
-    element = make(line, how.n_elements, how.n_modes)
-    # An equivalent beam distributes the mass; what the link yields at its tip stays as given.
-    return element if link.compliance is None else element.with_compliance(link.compliance)
+    return make(line, how.n_elements, how.n_modes)

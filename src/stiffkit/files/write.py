@@ -1,0 +1,49 @@
+"""Writing YAML for people: whole or not at all, rows of numbers on one line."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from stiffkit.errors import OutputError
+
+
+class Row(list[float]):
+    """Numbers that are written on one line."""
+
+
+class _Dumper(yaml.SafeDumper):
+    """Knows rows, and writes what stands twice twice."""
+
+    def ignore_aliases(self, data: object) -> bool:
+        return True
+
+
+_Dumper.add_representer(
+    Row,
+    lambda dumper, row: dumper.represent_sequence("tag:yaml.org,2002:seq", row, flow_style=True),
+)
+
+
+def write_yaml(content: Mapping[str, Any], path: Path) -> None:
+    """Write plain values and rows to a file. Raises OutputError where that is not possible."""
+    text = yaml.dump(
+        dict(content), Dumper=_Dumper, sort_keys=False, width=10_000, allow_unicode=True
+    )
+    try:
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".partial")
+        try:
+            with os.fdopen(handle, "w", encoding="utf-8") as file:
+                file.write(text)
+            Path(name).chmod(0o644)
+            Path(name).replace(path)
+        except BaseException:
+            Path(name).unlink(missing_ok=True)
+            raise
+    except OSError as error:
+        raise OutputError(f"cannot write {path}: {error.strerror}") from None
