@@ -12,6 +12,7 @@ demo: $(STAMP)
 
 test: lint
 	requirements/need-browser.sh
+	requirements/need-calculix.sh
 	$(BIN)/pytest -n auto
 
 lint: $(STAMP)

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from benchmarks import vibration
+from benchmarks import identify, vibration
 from benchmarks.measure import process_seconds, seconds
 from benchmarks.postures import ROBOTS, measure
 from stiffkit.kinematics import Kinematics
@@ -26,6 +26,7 @@ def main() -> None:
     print(f"multiply-add on arrays of 1000: {_multiply_adds() / 1e9:.2f} G/s, one thread, NumPy\n")
     print_rates()
     print_frequencies()
+    print_identification()
     print_map()
     print_commands()
 
@@ -58,16 +59,29 @@ def print_rates() -> None:
 def print_frequencies() -> None:
     """Print rates of the lowest natural frequencies."""
     print("Lowest four natural frequencies, postures per second, one thread")
-    heads = ("robot", "basis", "fast", "dense", "unknowns", "fast/dense", "error")
-    print("{:<15}{:>7}{:>10}{:>10}{:>10}{:>12}{:>10}".format(*heads))
+    heads = ("robot", "basis", "fast", "dense", "eigen", "unknowns", "fast/dense", "error")
+    print("{:<15}{:>7}{:>10}{:>10}{:>10}{:>10}{:>12}{:>10}".format(*heads))
     for name in ROBOTS:
         with threadpool_limits(1):
             r = vibration.measure(name)
         print(
-            f"{r.robot:<15}{r.basis:>7}{r.fast:>10.0f}{r.dense:>10.1f}{r.unknowns:>10}"
+            f"{r.robot:<15}{r.basis:>7}{r.fast:>10.0f}{r.dense:>10.1f}{r.eigen:>10.1f}{r.unknowns:>10}"
             f"{r.fast / r.dense:>12.0f}{r.error:>10.1e}"
         )
-    print(flush=True)
+    print(
+        "dense: full model, coordinates to frequencies; eigen: its eigenvalues alone\n", flush=True
+    )
+
+
+def print_identification() -> None:
+    """Print what the identification of a compliance takes."""
+    r = identify.measure()
+    print(f"Compliance from {r.nodes} nodes, six load cases, with statistics, one thread")
+    print(f"  seconds, reading apart            {r.seconds:8.2f}")
+    print(f"  peak memory, field included       {r.peak_bytes / 1e9:8.2f} GB")
+    print(f"  displacements                     {r.rate / 1e9:8.2f} GB/s")
+    print(f"  the same, plain sum               {r.sum_rate / 1e9:8.2f} GB/s")
+    print(f"  identification / plain sum        {r.seconds / r.sum_seconds:8.1f}\n", flush=True)
 
 
 def print_map() -> None:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from stiffkit.errors import StiffkitError
+    from stiffkit.identify import IdentifiedLink, identify_link
     from stiffkit.robot import Robot, list_robots, load_robot
     from stiffkit.study import (
         ModesResult,
@@ -31,6 +32,8 @@ __version__ = "0.1.0"
 # Rooms load when they are first used, so that a command that needs none starts at once.
 _HOMES = {
     "StiffkitError": "stiffkit.errors",
+    "IdentifiedLink": "stiffkit.identify",
+    "identify_link": "stiffkit.identify",
     "Robot": "stiffkit.robot",
     "list_robots": "stiffkit.robot",
     "load_robot": "stiffkit.robot",
@@ -45,6 +48,7 @@ _HOMES = {
 }
 
 __all__ = [
+    "IdentifiedLink",
     "ModesResult",
     "PoseResult",
     "Robot",
@@ -53,6 +57,7 @@ __all__ = [
     "__version__",
     "analyse_modes",
     "analyse_pose",
+    "identify_link",
     "list_robots",
     "load_robot",
     "map_workspace",

@@ -16,7 +16,10 @@ import stiffkit
 
 from .commandline import STIFFKIT, output_of, run
 
-COMMANDS = ("robots", "check", "pose", "modes", "map", "schema", "completion")
+COMMANDS = (
+    *("robots", "check", "pose", "modes", "map"),
+    *("identify", "advise", "schema", "completion"),
+)
 
 
 def pose_of(*arguments: str, cwd: Path) -> dict[str, Any]:

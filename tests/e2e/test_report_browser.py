@@ -48,6 +48,7 @@ addEventListener("load", async () => {
     panels: plot.querySelectorAll(".heatmaplayer").length,
     worst: document.querySelectorAll("#worst tr").length,
     lines: document.querySelectorAll("#lines .scatterlayer path.js-line").length,
+    branches: document.querySelectorAll("#branches .scatterlayer path.js-line").length,
   });
   const choose = async (id, value) => {
     const control = document.getElementById(id);
@@ -138,6 +139,7 @@ def test_the_map_is_drawn(report: Visit) -> None:
     assert first["panels"] == 1
     assert any(image.startswith("data:image/png") for image in first["images"])
     assert first["lines"] > 0
+    assert first["branches"] == 4
     assert first["worst"] > 3
 
 

@@ -100,6 +100,43 @@ def synthetic_map(
     return dataset
 
 
+def add_branches(dataset: xr.Dataset) -> xr.Dataset:
+    """Add the natural frequencies of four modes, the first two of which cross along x.
+
+    The simplified model has none; the fourth mode is lost where x is large.
+    """
+    axes = [axis for axis in DIRECTIONS if axis in dataset.coords]
+    x = dataset["x"].values - MIDDLE["x"]
+    along = np.stack([90.0 + 200.0 * x, 100.0 - 200.0 * x, 130.0 + 0.0 * x, 180.0 + 9.0 * x])
+    along[3, x > 0.1] = np.nan
+    attributes = {"units": "Hz", "long_name": "natural frequency"}
+    through = {axis: float(np.median(dataset[axis].values)) for axis in axes}
+    dataset["branch"] = [1, 2, 3, 4]
+    dataset["frequency_of_branch"] = _for_models(dataset, "refined", along, dataset["x"].dims)
+    dataset["frequency_of_branch"].attrs.update(attributes)
+    if "point" in dataset.sizes:
+        return dataset
+    for axis in axes:
+        others = np.repeat(along[:, [x.size // 2]], dataset.sizes[axis], axis=1)
+        values = along if axis == "x" else others
+        name = f"frequency_along_{axis}"
+        dataset[name] = _for_models(dataset, "refined", values, (axis,))
+        dataset[name].attrs.update(
+            attributes, tracking=json.dumps({"refined": {"through": through}})
+        )
+    return dataset
+
+
+def _for_models(
+    dataset: xr.Dataset, model: str, values: Array, dims: tuple[object, ...]
+) -> xr.DataArray:
+    names = [str(name) for name in dataset["model"].values]
+    stacked = np.stack(
+        [values if name == model else np.full_like(values, np.nan) for name in names]
+    )
+    return xr.DataArray(stacked, dims=("model", "branch", *map(str, dims)))
+
+
 def _status(pose: Mapping[str, Array]) -> NDArray[np.int8]:
     x, y, z = (pose[axis] - MIDDLE[axis] for axis in "xyz")
     status = np.zeros(x.shape, dtype=np.int8)

@@ -1,8 +1,9 @@
 """The documentation says what is true: its commands run, its files load, its links lead somewhere.
 
 In a ``console`` block, lines after ``$ command`` are what the command prints, where ``...`` stands
-for any lines. A ``yaml`` block whose first line is a comment with a file's name is that file, for
-the commands of the same page; every other one is checked against the schema.
+for any lines. A ``yaml`` or ``python`` block whose first line is a comment with a file's name is
+that file, for the commands of the same page; every other ``yaml`` block is checked against the
+schema.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ import yaml
 from stiffkit.files.schema import check_shape
 from stiffkit.files.source import Source
 from stiffkit.files.tree import Node, read_tree
+from stiffkit.identify.spec import SCHEMA_FILE as SPEC_SCHEMA_FILE
 from stiffkit.link import MATERIALS
 from stiffkit.robot import list_robots, load_robot
 from stiffkit.robot.joints import KINDS
@@ -35,7 +37,7 @@ NAMES = [str(page.relative_to(ROOT)) for page in PAGES]
 ROOMS = sorted(path.parent.name for path in ROOT.glob("src/stiffkit/*/__init__.py"))
 
 _BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
-_FILE = re.compile(r"# ([\w-]+\.yaml)\n")
+_FILE = re.compile(r"# ([\w-]+\.(?:yaml|py))\n")
 _LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
 _HEADING = re.compile(r"^#+ (.+)$", re.MULTILINE)
 
@@ -59,7 +61,7 @@ def environment() -> dict[str, str]:
 
 
 def write_files(page: Path, folder: Path) -> None:
-    for block in blocks(page, "yaml"):
+    for block in blocks(page, "yaml", "python"):
         if named := _FILE.match(block.text):
             (folder / named[1]).write_text(block.text, encoding="utf-8")
 
@@ -163,7 +165,7 @@ def test_python_runs(page: Path, tmp_path: Path, environment: dict[str, str]) ->
     assert done.returncode == 0, done.stderr
 
 
-# --- robot files ----------------------------------------------------------------------------------
+# --- robot files and specifications ---------------------------------------------------------------
 
 
 def completed(fragment: Node) -> Node:
@@ -175,14 +177,16 @@ def completed(fragment: Node) -> Node:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=NAMES)
-def test_robot_files_load(page: Path, tmp_path: Path) -> None:
+def test_files_load(page: Path, tmp_path: Path) -> None:
     write_files(page, tmp_path)
     for block in blocks(page, "yaml"):
-        if named := _FILE.match(block.text):
+        root = read_tree(Source(page, block.text, ""))
+        if root.child("identify") is not None:
+            check_shape(root, page, SPEC_SCHEMA_FILE)
+        elif named := _FILE.match(block.text):
             assert load_robot(tmp_path / named[1]).links
         else:
-            source = Source(page, block.text, "")
-            check_shape(completed(read_tree(source)), page, SCHEMA_FILE)
+            check_shape(completed(root), page, SCHEMA_FILE)
 
 
 def with_the_rest(fragment: dict[str, Any]) -> dict[str, Any]:
@@ -238,6 +242,12 @@ def test_the_reference_has_every_key_kind_and_material() -> None:
     text = text_of("docs/robot-file.md")
     keys = keys_of(json.loads(SCHEMA_FILE.read_text("utf-8")))
     for word in keys | set(KINDS) | set(MATERIALS):
+        assert re.search(rf"\b{word}\b", text), word
+
+
+def test_the_reference_of_specifications_has_every_key() -> None:
+    text = text_of("docs/identify.md")
+    for word in keys_of(json.loads(SPEC_SCHEMA_FILE.read_text("utf-8"))):
         assert re.search(rf"\b{word}\b", text), word
 
 

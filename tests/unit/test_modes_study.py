@@ -3,9 +3,13 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+import scipy.linalg
+from numpy.typing import NDArray
+from scipy.linalg import LinAlgError
 
 from stiffkit.errors import LinkError, PoseError
 from stiffkit.kinematics import Status
@@ -254,3 +258,22 @@ def test_energy_in_words() -> None:
     tied = {"b": 0.5 + 1e-12, "a": 0.5 - 1e-12}
     assert describe_energy(tied) == "a stores 50 % of the strain energy, b 50 %"
     assert describe_energy({}) == ""
+
+
+def test_a_matrix_on_which_the_fast_algorithm_fails_is_solved_by_the_other(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """LAPACK's gesdd gives up on some rare matrices."""
+    expected = analyse_modes(load_robot("five-bar")).frequencies_hz
+    tried = []
+
+    def svd(A: NDArray[np.float64], *, lapack_driver: str = "gesdd", **rest: Any) -> Any:
+        tried.append(lapack_driver)
+        if lapack_driver == "gesdd":
+            raise LinAlgError("SVD did not converge")
+        return scipy.linalg.svd(A, lapack_driver=lapack_driver, **rest)
+
+    monkeypatch.setattr("stiffkit.vibration.modes.svd", svd)
+    found = analyse_modes(load_robot("five-bar")).frequencies_hz
+    assert tried == ["gesdd", "gesvd"]
+    np.testing.assert_allclose(found, expected, rtol=1e-12)

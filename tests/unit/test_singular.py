@@ -137,3 +137,15 @@ def test_home_that_is_singular_is_said(tmp_path: Path) -> None:
         ("home: {x: 0, y: 400 mm, elbow_left: -80 deg, elbow_right: 80 deg}", "home: {x: 0, y: 0}"),
     )
     assert any("singular" in warning for warning in summarise(robot).warnings)
+
+
+def test_what_a_model_holds_rigidly_is_nothing_and_not_a_small_number() -> None:
+    """The simplified Orthoglide does not turn at all: no 1e34 N m/rad, and no noise beside it."""
+    result = analyse_pose(load_robot("orthoglide"), model="simplified")
+    assert result.status is Status.OK
+    assert result.compliance is not None
+    assert result.rotation is not None
+    assert np.isinf(result.rotation.stiffness).all()
+    assert result.stiffness is None
+    np.testing.assert_array_equal(result.compliance - np.diag(np.diag(result.compliance)), 0.0)
+    np.testing.assert_array_equal(np.diag(result.compliance)[3:], 0.0)

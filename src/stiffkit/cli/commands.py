@@ -15,6 +15,7 @@ import click
 
 from stiffkit import __version__
 from stiffkit.cli.arguments import RobotArgument, assignments, load_cases, tool_pose
+from stiffkit.cli.identifying import advise, identify
 from stiffkit.errors import PoseError
 
 if TYPE_CHECKING:
@@ -58,6 +59,10 @@ def main() -> None:
 
     ROBOT is a robot file (YAML) or the name of a robot in the catalogue.
     """
+
+
+main.add_command(identify)
+main.add_command(advise)
 
 
 @main.command()
@@ -275,9 +280,9 @@ def map_(robot: str, output: Path | None, points: int | None, settings: tuple[st
 
 
 @main.command()
-@click.argument("kind", type=click.Choice(["robot", "link"]), default="robot")
+@click.argument("kind", type=click.Choice(["robot", "link", "identify"]), default="robot")
 def schema(kind: str) -> None:
-    """Print the JSON Schema of robot files or of link files, for editors.
+    """Print the JSON Schema of robot files, link files or specifications, for editors.
 
     Example:  stiffkit schema > robot.schema.json
     """

@@ -44,7 +44,7 @@ def show_pose(result: PoseResult) -> None:
         click.echo("tool        " + _values(DIRECTIONS, result.tool, "mm", "deg"))
         for name, value in result.joints.items():
             unit = "deg" if name.rpartition(".")[2].startswith("r") else "mm"
-            click.echo(f"  {name:<24} {value * _FACTOR[unit] + 0.0:>12.4f} {unit}")
+            click.echo(f"  {name:<24} {round(value * _FACTOR[unit], 4) + 0.0:>12.4f} {unit}")
     if result.deflections:
         heading("deflection of the tool, world axes")
         click.echo(f"  {'load':<16}" + "".join(f"{d:>11}" for d in DIRECTIONS) + f"{'|xyz|':>11}")
@@ -112,7 +112,8 @@ def _show_axes(title: str, axes: PrincipalAxes | None, factor: float) -> None:
     heading(f"{title}, along its principal directions (weakest first)")
     for value, direction in zip(axes.stiffness, axes.directions.T, strict=True):
         words = ", ".join(f"{x + 0.0:6.3f}" for x in direction)
-        click.echo(f"  {factor * value:>12.5g}   ({words})")
+        shown = f"{factor * value:>12.5g}" if np.isfinite(value) else f"{'rigid':>12}"
+        click.echo(f"  {shown}   ({words})")
 
 
 def _show_matrix(matrix: NDArray[np.float64]) -> None:

@@ -22,7 +22,7 @@ def rotation_vectors(R: Array) -> Array:
     if np.any(far):
         # Near half a turn the antisymmetric part is small and the symmetric part holds the axis.
         w[:, far] = _rotation_vectors_near_half_turn(R[..., far], axis_sin[:, far], angle[far])
-    return w
+    return np.asarray(w)
 
 
 def _rotation_vectors_near_half_turn(R: Array, axis_sin: Array, angle: Array) -> Array:

@@ -2,6 +2,13 @@
 
 from __future__ import annotations
 
+from stiffkit.plots.branches import (
+    BranchLine,
+    branch_figure,
+    branch_lines,
+    branch_model,
+    has_branches,
+)
 from stiffkit.plots.curves import curve_figure
 from stiffkit.plots.draw import position_text
 from stiffkit.plots.maps import map_figure, model_comparison_figure
@@ -34,15 +41,20 @@ from stiffkit.plots.write import write_figures
 __all__ = [
     "OK",
     "QUANTITIES",
+    "BranchLine",
     "DisplayUnit",
     "Kind",
     "Quantity",
     "Sweep",
     "axis_unit",
+    "branch_figure",
+    "branch_lines",
+    "branch_model",
     "cases_of",
     "curve_figure",
     "display_unit",
     "format_value",
+    "has_branches",
     "is_planar",
     "loads_of",
     "main_quantities",

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -74,7 +75,7 @@ def curve_figure(
     for axes, line in zip(panels, lines, strict=True):
         along = {model: values[model][line.cut] for model in models}
         gaps = {model: statuses[model][line.cut] for model in models}
-        entries = draw_curves(axes, line.axis, line.x, along, gaps, scale)
+        entries = draw_curves(axes, line.axis, line.x, model_curves(along), gaps, scale)
         # A line with gaps explains one thing more.
         handles = max(handles, entries, key=len)
         style.set_title(axes, line.fixed)
@@ -84,35 +85,56 @@ def curve_figure(
     return figure
 
 
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """One line in a plot."""
+
+    label: str
+    values: Array
+    """(n,), in display units."""
+    look: Mapping[str, Any]
+    """Colour, line style and marker."""
+
+
+def model_curves(values: Mapping[str, Array]) -> list[Curve]:
+    """Return a curve for the values (n,), in display units, of each model."""
+    curves = []
+    for model, line in values.items():
+        rigid = not np.isfinite(line).any() and not np.isnan(line).all()
+        label = f"{model}: rigid" if rigid else f"{model} model"
+        curves.append(Curve(label, line, style.LINES.get(model, style.LINES["refined"])))
+    return curves
+
+
 def draw_curves(
     axes: Axes,
     axis: str,
     x: Array,
-    values: Mapping[str, Array],
+    curves: Sequence[Curve],
     statuses: Mapping[str, NDArray[np.int8]],
     scale: Scale,
+    *,
+    from_zero: bool = True,
 ) -> list[Artist]:
-    """Draw one line for each model over ``x`` and return the legend entries.
+    """Draw curves over ``x`` and return the legend entries.
 
     Args:
         axes: where to draw.
         axis: tool coordinate along x; "" for the number of the point.
         x: (n,), in display units.
-        values: (n,) for each model, in display units.
+        curves: with values (n,).
         statuses: (n,) for each model.
         scale: limits of y in this figure.
+        from_zero: whether a linear scale begins at zero.
     """
     order = np.argsort(x, kind="stable")
     handles: list[Artist] = []
-    for model, line in values.items():
-        look = dict(style.LINES.get(model, style.LINES["refined"]))
+    for curve in curves:
+        look = dict(curve.look)
         marker = look.pop("marker")
-        shown = np.where(np.isfinite(line), line, np.nan)[order]
+        shown = np.where(np.isfinite(curve.values), curve.values, np.nan)[order]
         axes.plot(x[order], shown, marker=marker if x.size <= MARKED_UP_TO else "", **look)
-        label = model if np.isfinite(line).any() or np.isnan(line).all() else f"{model}: rigid"
-        handles.append(
-            Line2D([], [], label=f"{label} model" if ":" not in label else label, **look)
-        )
+        handles.append(Line2D([], [], label=curve.label, **look))
     missing = np.all([(s != OK) & (s != OUTSIDE) for s in statuses.values()], axis=0)[order]
     if missing.any():
         _hatch(axes, x[order], missing)
@@ -126,7 +148,9 @@ def draw_curves(
         set_log_ticks(axes, Scale(*limits, is_log=True))
         axes.set_ylim(limits)
     else:
-        axes.set_ylim(bottom=0.0, top=(scale.high or 1.0) * 1.08)
+        height = (scale.high or 1.0) if from_zero else scale.high - scale.low
+        bottom = 0.0 if from_zero else max(0.0, scale.low - 0.08 * height)
+        axes.set_ylim(bottom=bottom, top=(scale.high or 1.0) + 0.08 * height)
     axes.set_xlim(x.min(), x.max() if x.size > 1 else x.min() + 1.0)
     axes.grid(visible=True)
     axes.set_axisbelow(True)

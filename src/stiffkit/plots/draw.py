@@ -113,6 +113,7 @@ def add_legend(
     *,
     is_grid: bool = True,
     more: Sequence[Artist] = (),
+    columns: int = 3,
 ) -> None:
     """Explain below the figure what has no colour, with ``more`` handles before it."""
     seen = {int(value) for status in statuses for value in np.unique(status)}
@@ -122,7 +123,7 @@ def add_legend(
         figure.legend(
             handles=handles,
             loc="outside lower center",
-            ncols=min(len(handles), 3),
+            ncols=min(len(handles), columns),
             handlelength=1.6,
             handletextpad=0.5,
             columnspacing=1.2,
@@ -155,6 +156,11 @@ def _gap_handle(value: int, *, is_grid: bool) -> Artist:
     return Patch(facecolor=colour, label=name)
 
 
+def _known(values: Array) -> Array:
+    """Return values with what is infinite made NaN, which is not drawn."""
+    return np.where(np.isfinite(values), values, np.nan)
+
+
 def _draw_grid(axes: Axes, panel: Panel) -> ScalarMappable:
     x, y = panel.coordinates
     edges_x, edges_y = _cell_edges(x), _cell_edges(y)
@@ -170,7 +176,7 @@ def _draw_grid(axes: Axes, panel: Panel) -> ScalarMappable:
         )
     _draw_other_gaps(axes, panel, edges_x, edges_y)
     # Zero has no logarithm and a rigid model no number: both go to the end of the scale.
-    values = np.ma.masked_invalid(np.clip(panel.values, panel.scale.low, panel.scale.high))
+    values = _known(np.clip(panel.values, panel.scale.low, panel.scale.high))
     image = axes.pcolorfast(
         edges_x,
         edges_y,
@@ -197,7 +203,7 @@ def _draw_other_gaps(axes: Axes, panel: Panel, edges_x: Array, edges_y: Array) -
         axes.pcolorfast(
             edges_x,
             edges_y,
-            np.ma.masked_invalid(painted).T,
+            _known(painted).T,
             cmap=ListedColormap(list(codes.values())),
             vmin=-0.5,
             vmax=len(codes) - 0.5,
@@ -215,7 +221,7 @@ def _draw_contours(axes: Axes, panel: Panel) -> None:
         return
     steps = tuple(max(1, -(-n // CONTOUR_POINTS)) for n in panel.values.shape)
     x, y = (c[::step] for c, step in zip(panel.coordinates, steps, strict=True))
-    values = np.ma.masked_invalid(panel.values[:: steps[0], :: steps[1]])
+    values = _known(panel.values[:: steps[0], :: steps[1]])
     lines = axes.contour(x, y, values.T, levels=levels, colors=style.INK, linewidths=0.5)
     labels = axes.clabel(lines, fontsize=5.5, fmt=format_value, inline_spacing=2)
     for label in labels:

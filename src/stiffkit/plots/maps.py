@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from stiffkit.errors import OutputError
 from stiffkit.plots import style
-from stiffkit.plots.curves import curve_figure, draw_curves
+from stiffkit.plots.curves import curve_figure, draw_curves, model_curves
 from stiffkit.plots.draw import (
     Panel,
     add_legend,
@@ -216,9 +216,9 @@ def _compare_curves(
     left, right = figure.subplots(1, 2)
     axis = sweep.axes[0]
     x = axis_unit(axis).of(sweep.coordinates[axis])
-    handles = draw_curves(left, axis, x, both, statuses, Scale.of(*both.values()))
+    handles = draw_curves(left, axis, x, model_curves(both), statuses, Scale.of(*both.values()))
     style.set_title(left, label)
-    refined = {"refined": ratio}, {"refined": statuses["refined"]}
+    refined = model_curves({"refined": ratio}), {"refined": statuses["refined"]}
     draw_curves(right, axis, x, *refined, Scale.of(ratio))
     style.set_title(right, "refined / simplified")
     add_legend(figure, [], more=handles)

@@ -41,6 +41,14 @@ LINES: Mapping[str, Mapping[str, Any]] = {
 }
 """Okabe and Ito's blue and vermilion, one line style and marker each."""
 
+BRANCHES: tuple[Mapping[str, Any], ...] = (
+    {"color": "#222222", "linestyle": "-", "marker": "o"},
+    {"color": "#d55e00", "linestyle": (0, (6, 2)), "marker": "s"},
+    {"color": "#0072b2", "linestyle": (0, (6, 1.5, 1.2, 1.5)), "marker": "^"},
+    {"color": "#56b4e9", "linestyle": (0, (1.5, 1.2)), "marker": "D"},
+)
+"""Ink and Okabe and Ito's vermilion, blue and sky blue, for modes that cross."""
+
 _RC: dict[Any, Any] = {
     # Carried by Matplotlib itself, so that every machine lays a figure out alike.
     "font.family": ["DejaVu Sans"],

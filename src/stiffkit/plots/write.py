@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 
 from stiffkit.errors import OutputError
 from stiffkit.plots import style
+from stiffkit.plots.branches import branch_figure, has_branches
 from stiffkit.plots.curves import curve_figure
 from stiffkit.plots.maps import map_figure, model_comparison_figure
 from stiffkit.plots.quantities import Quantity, main_quantities
@@ -24,7 +25,8 @@ def write_figures(dataset: xr.Dataset, directory: Path) -> list[Path]:
 
     For each main quantity and load case: ``compare-...`` of both models side by side, or
     ``map-...`` where the dataset holds only one, and ``curves-...`` along lines through the
-    workspace. Quantities that are zero or rigid throughout are left out.
+    workspace. Quantities that are zero or rigid throughout are left out. ``curves-frequency`` has
+    the natural frequencies mode by mode, if the map holds them.
 
     Args:
         dataset: a stiffness map.
@@ -77,6 +79,8 @@ def _figures(dataset: xr.Dataset) -> list[tuple[str, Callable[[], Figure]]]:
                 figures.append(
                     (f"curves-{name}", partial(curve_figure, dataset, quantity.name, load))
                 )
+    if has_branches(dataset):
+        figures.append(("curves-frequency", partial(branch_figure, dataset)))
     return figures
 
 

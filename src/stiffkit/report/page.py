@@ -30,7 +30,16 @@ from stiffkit.report.words import (
     texts_of,
 )
 
-_SCRIPTS = ("data.js", "look.js", "map.js", "lines.js", "worst.js", "main.js")
+_SCRIPTS = (
+    "numbers.js",
+    "data.js",
+    "look.js",
+    "map.js",
+    "lines.js",
+    "branches.js",
+    "worst.js",
+    "main.js",
+)
 """In the order in which they build on each other."""
 
 

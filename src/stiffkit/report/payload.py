@@ -11,17 +11,24 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from stiffkit.plots import (
+    BranchLine,
     DisplayUnit,
+    Kind,
     Quantity,
     Sweep,
     axis_unit,
+    branch_lines,
+    branch_model,
     cases_of,
+    display_unit,
     format_value,
+    has_branches,
     is_planar,
     loads_of,
     main_quantities,
     middle_posture,
     models_of,
+    position_text,
     quantities_of,
     ratio_of,
     status_of,
@@ -78,6 +85,7 @@ def payload_of(dataset: xr.Dataset) -> dict[str, Any]:
         "quantities": [_quantity(dataset, quantity) for quantity in quantities_of(dataset)],
         "values": _all_values(dataset, blocks),
         "worst": _all_worst(dataset, sweep),
+        "branches": _branches(dataset) if has_branches(dataset) else None,
     }
 
 
@@ -172,6 +180,31 @@ def _all_values(dataset: xr.Dataset, blocks: Blocks) -> dict[str, str]:
                 )
                 values[key_of(quantity.name, model, load)] = _encode(unit.of(worst))
     return values
+
+
+def _branches(dataset: xr.Dataset) -> dict[str, Any]:
+    """Return the frequencies of followed modes along lines through the workspace."""
+    model = branch_model(dataset)
+    lines = branch_lines(dataset, model)
+    unit = display_unit(Kind.FREQUENCY, np.concatenate([line.values.ravel() for line in lines]))
+    return {
+        "model": model,
+        "unit": unit.symbol,
+        "lines": [_branch_line(line, unit) for line in lines],
+    }
+
+
+def _branch_line(line: BranchLine, unit: DisplayUnit) -> dict[str, Any]:
+    # Along a line that is not a list of points there are never that many.
+    shown = slice(None, None, -(-line.x.size // PLOTTED_POSTURES))
+    return {
+        "axis": line.axis or "number of the point",
+        "unit": axis_unit(line.axis).symbol if line.axis else "",
+        "fixed": position_text(line.fixed.items()),
+        "x": _encode(line.x[shown]),
+        "values": [_encode(unit.of(values[shown])) for values in line.values],
+        "status": "".join(str(int(value)) for value in line.status[shown]),
+    }
 
 
 def _all_worst(dataset: xr.Dataset, sweep: Sweep) -> dict[str, list[dict[str, Any]]]:

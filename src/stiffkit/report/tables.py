@@ -111,7 +111,7 @@ def _worst_card(
     value = format_value(float(f"{unit.of(values.flat[worst[0]]):.3g}"))
     where = f"at {_place(dataset, worst[0])}"
     details = where if load is None else f"load {load}, {where}"
-    return _card(title, value, unit.symbol, f"{model} model, {details}")
+    return card(title, value, unit.symbol, f"{model} model, {details}")
 
 
 def _ratio_card(rows: Sequence[KeyFigure]) -> str:
@@ -122,11 +122,12 @@ def _ratio_card(rows: Sequence[KeyFigure]) -> str:
                 f"{_lower(row.quantity)}, load {row.load}, median: the drives account for "
                 f"{share} % of it, links and joints for the rest"
             )
-            return _card("Refined / simplified model", _ratio_text(row.ratio), "times", text)
+            return card("Refined / simplified model", _ratio_text(row.ratio), "times", text)
     return ""
 
 
-def _card(title: str, value: str, unit: str, details: str) -> str:
+def card(title: str, value: str, unit: str, details: str) -> str:
+    """Return one key figure: its title, value, unit and what belongs to it."""
     return (
         f'<div class="card"><h3>{escape(title)}</h3>'
         f'<p class="value">{escape(value)} <span>{escape(unit)}</span></p>'

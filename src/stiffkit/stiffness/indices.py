@@ -112,6 +112,6 @@ def principal_axes(block: Array) -> PrincipalAxes:
     """Return the principal axes of a compliance block (3, 3), translational or rotational."""
     values, vectors = np.linalg.eigh(block)
     values, vectors = values[::-1], vectors[:, ::-1]
-    with np.errstate(divide="ignore"):
-        stiffness = np.where(values > 1e-12 * values[0], 1.0 / values, np.inf)
+    yields = (values > 1e-12 * values[0]) & (values > 0.0)
+    stiffness = np.where(yields, 1.0 / np.where(yields, values, 1.0), np.inf)
     return PrincipalAxes(stiffness, vectors)

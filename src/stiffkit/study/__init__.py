@@ -10,7 +10,14 @@ from stiffkit.study.modes import (
     analyse_modes,
 )
 from stiffkit.study.pose import PoseResult, analyse_pose
-from stiffkit.study.store import MAP, MODES, open_map, whole_directory, write_dataset
+from stiffkit.study.store import (
+    MAP,
+    MODES,
+    identification,
+    open_map,
+    whole_directory,
+    write_dataset,
+)
 from stiffkit.study.summary import Summary, summarise
 
 __all__ = [
@@ -25,6 +32,7 @@ __all__ = [
     "VibrationModel",
     "analyse_modes",
     "analyse_pose",
+    "identification",
     "map_workspace",
     "open_map",
     "summarise",

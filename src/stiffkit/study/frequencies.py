@@ -12,11 +12,16 @@ from stiffkit.errors import LinkError
 from stiffkit.kinematics import Postures, Status
 from stiffkit.stiffness import Model
 from stiffkit.study.analysis import Analysis
+from stiffkit.study.branches import Followed, follow
+from stiffkit.study.grid import PoseGrid
 from stiffkit.vibration import (
+    SPARE_MODES,
     FastModes,
     ModalModel,
+    ModeVectors,
+    modes_in_own_axes,
     platform_mass,
-    simplified_frequencies,
+    simplified_mode_vectors,
 )
 
 Array = NDArray[np.float64]
@@ -39,6 +44,8 @@ class Frequencies:
     """(n_models, N_MODES, N), Hz, ascending; NaN where there is no answer."""
     method: str
     """How those of the refined model were computed, and how far they can be trusted."""
+    followed: dict[Model, Followed]
+    """The modes of each model that has an answer, followed over the workspace."""
 
 
 def has_mass(analysis: Analysis) -> bool:
@@ -49,41 +56,43 @@ def has_mass(analysis: Analysis) -> bool:
 
 def map_frequencies(
     analysis: Analysis,
+    grid: PoseGrid,
     postures: Postures,
     status: NDArray[np.int8],
     simplified: Array,
     models: Sequence[Model],
 ) -> Frequencies:
-    """Return the frequencies at N postures.
+    """Return the frequencies at N postures, the poses of a grid.
 
     ``status`` (n_models, N) says where there is an answer; ``simplified`` (21, N) are the
     compliances of the simplified model. Raises LinkError where a link's mass cannot be distributed.
     """
     values = np.full((len(models), N_MODES, len(postures)), np.nan)
-    method = ""
+    method, followed = "", {}
     for m, model in enumerate(models):
-        known = np.flatnonzero(status[m] == Status.OK)
-        if known.size == 0:
+        known = status[m] == Status.OK
+        if not known.any():
             continue
         if model == "refined":
-            values[m][:, known], method = _refined(analysis, postures.coordinates[:, known])
+            modes, method = _refined(analysis, postures.coordinates[:, known])
         else:
-            values[m][:, known] = _simplified(
-                analysis, simplified[:, known], postures.tool[:, known]
-            )
-    return Frequencies(values, method)
+            modes = _simplified(analysis, simplified[:, known], postures.tool[:, known])
+        values[m][:, known] = modes.frequencies[:N_MODES]
+        followed[model] = follow(modes, grid, known, N_MODES)
+    return Frequencies(values, method, followed)
 
 
-def _simplified(analysis: Analysis, lower: Array, tool: Array) -> Array:
+def _simplified(analysis: Analysis, lower: Array, tool: Array) -> ModeVectors:
     try:
         mass = platform_mass(analysis.robot)
     except LinkError:
         # A platform without mass has no frequency in this model, which is no fault of the robot.
-        return np.full((N_MODES, lower.shape[1]), np.nan)
-    return simplified_frequencies(lower, tool, mass, analysis.kinematics.length)[:N_MODES]
+        n = lower.shape[1]
+        return ModeVectors(np.full((N_MODES, n), np.nan), np.zeros((n, N_MODES, 0)))
+    return simplified_mode_vectors(lower, tool, mass, analysis.kinematics.length)
 
 
-def _refined(analysis: Analysis, q: Array) -> tuple[Array, str]:
+def _refined(analysis: Analysis, q: Array) -> tuple[ModeVectors, str]:
     kinematics = analysis.kinematics
     full = ModalModel(kinematics.tree, kinematics.length)
     fast = FastModes(full, q, N_MODES)
@@ -93,10 +102,10 @@ def _refined(analysis: Analysis, q: Array) -> tuple[Array, str]:
         f" {trust.error:.1e} of the full model"
     )
     if trust.good:
-        return fast.frequencies(q), f"fast model: {found}"
+        return fast.modes(q), f"fast model: {found}"
     if q.shape[1] > _MOST_BY_FULL_MODEL:
-        return fast.frequencies(q), f"fast model, NOT good to its tolerance: {found}"
-    values = np.full((N_MODES, q.shape[1]), np.nan)
-    for i, modes in enumerate(full.at_each(q, N_MODES)):
-        values[: modes.frequencies_hz.size, i] = modes.frequencies_hz
-    return values, f"full model at each posture; the fast one was not good enough ({found})"
+        return fast.modes(q), f"fast model, NOT good to its tolerance: {found}"
+    return (
+        modes_in_own_axes(full, q, N_MODES + SPARE_MODES),
+        f"full model at each posture; the fast one was not good enough ({found})",
+    )

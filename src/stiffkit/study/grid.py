@@ -126,4 +126,4 @@ def inside_polygon(u: Array, v: Array, corners: Array) -> NDArray[np.bool_]:
             ((u - u0) * (u1 - u0) + (v - v0) * (v1 - v0)) / max(length**2, 1e-300), 0, 1
         )
         on_edge |= np.hypot(u - u0 - along * (u1 - u0), v - v0 - along * (v1 - v0)) < 1e-9 * size
-    return inside | on_edge
+    return np.asarray(inside | on_edge)

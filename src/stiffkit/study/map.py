@@ -226,20 +226,51 @@ def _add_frequencies(
 ) -> None:
     simplified = [m for m, name in enumerate(models) if name == "simplified"]
     lower = lower_triangles(quantities.compliance[simplified[0]]) if simplified else np.empty(0)
-    found = map_frequencies(analysis, postures, quantities.status, lower, models)
-    shaped = found.values.reshape(*found.values.shape[:-1], *grid.shape)
+    found = map_frequencies(analysis, grid, postures, quantities.status, lower, models)
+
+    def shaped(values: Array) -> Array:
+        return values.reshape(*values.shape[:-1], *grid.shape)
+
     about = {"units": "Hz", "method": found.method}
     dataset.coords["mode"] = np.arange(1, N_MODES + 1)
     dataset["frequency"] = (
         ("model", "mode", *grid.dims),
-        shaped,
+        shaped(found.values),
         about | {"long_name": "natural frequency"},
     )
     dataset["frequency_first"] = (
         ("model", *grid.dims),
-        shaped[:, 0],
+        shaped(found.values[:, 0]),
         about | {"long_name": "lowest natural frequency"},
     )
+    dataset.coords["branch"] = np.arange(1, N_MODES + 1)
+    followed, no_answer = found.followed, np.full(found.values.shape[1:], np.nan)
+    everywhere = [followed[m].everywhere if m in followed else no_answer for m in models]
+    dataset["frequency_of_branch"] = (
+        ("model", "branch", *grid.dims),
+        shaped(np.stack(everywhere)),
+        _about_branches({m: f.facts for m, f in followed.items()}, ""),
+    )
+    for axis in () if grid.listed else grid.axes:
+        no_answer = np.full((N_MODES, grid.axes[axis].size), np.nan)
+        along = [followed[m].along[axis] if m in followed else no_answer for m in models]
+        dataset[f"frequency_along_{axis}"] = (
+            ("model", "branch", axis),
+            np.stack(along),
+            _about_branches({m: f.facts_along[axis] for m, f in followed.items()}, axis),
+        )
+
+
+def _about_branches(facts: dict[Model, dict[str, Any]], axis: str) -> dict[str, str]:
+    """Return the attributes of frequencies of branches: everywhere, or along an axis."""
+    place = f" along {axis} through the middle of the workspace" if axis else ""
+    return {
+        "units": "Hz",
+        "long_name": f"natural frequency of a mode followed by its shape{place}",
+        "method": "the modes of neighbouring postures whose shapes overlap most are one branch;"
+        " branches are numbered by frequency at a start near the middle of the workspace",
+        "tracking": json.dumps(facts),
+    }
 
 
 def _attributes(analysis: Analysis, models: Sequence[Model]) -> dict[str, Any]:

@@ -114,7 +114,7 @@ def analyse_pose(
     if status is Status.OK and free:
         # So near to singular that only the more precise of the two ways sees it.
         status = Status.SINGULAR
-    k = exact.compliance if status is Status.OK else None
+    k = _settled(exact.compliance, kinematics.length) if status is Status.OK else None
     return PoseResult(
         robot=analysis.robot.name,
         model=model,
@@ -123,13 +123,39 @@ def analyse_pose(
         tool=tool,
         joints=dict(zip(kinematics.joint_names, postures.joints[:, 0], strict=True)),
         compliance=k,
-        stiffness=exact.stiffness,
+        stiffness=exact.stiffness if k is None or _yields(k, kinematics.length) else None,
         deflections={} if k is None else {name: k @ w for name, w in wrenches.items()},
         translation=None if k is None else principal_axes(k[:3, :3]),
         rotation=None if k is None else principal_axes(k[3:, 3:]),
         free_motions=free,
         method=stiffness.method,
     )
+
+
+_ROUNDING = 1e-14
+"""Share of the largest entry of a compliance, unit-free, below which there is nothing."""
+
+
+def _settled(compliance: Array | None, length: float) -> Array | None:
+    """Return a compliance (6, 6) with zeros in place of what is rounding beside its largest entry.
+
+    Directions that a model holds rigidly come out of the arithmetic as 1e-25 or the like.
+    """
+    if compliance is None:
+        return None
+    per_unit = np.abs(compliance) * _unit_free(length)
+    return np.where(per_unit > _ROUNDING * per_unit.max(), compliance, 0.0)
+
+
+def _yields(compliance: Array, length: float) -> bool:
+    """Tell whether a compliance (6, 6) has an inverse: no direction is rigid."""
+    values = np.linalg.eigvalsh(compliance * _unit_free(length))
+    return bool(values[0] > _ROUNDING * values[-1])
+
+
+def _unit_free(length: float) -> Array:
+    scale = np.array([1.0 / length] * 3 + [1.0] * 3)
+    return np.outer(scale, scale)
 
 
 def out_of_reach(analysis: Analysis, at: Mapping[str, float]) -> str:

@@ -36,6 +36,11 @@ MAP = Kind("map", _DATASETS, ("figures", "report.html"))
 MODES = Kind("study of modes", ("modes.html",), ("modes",))
 
 
+def identification(link_file: str) -> Kind:
+    """Return what the identification of a link is made of, whose file has this name."""
+    return Kind("identification", (link_file,), ("report.html",))
+
+
 def dataset_name(dataset: xr.Dataset) -> str:
     """Return the file name that a dataset gets: map.nc, or map.zarr if it is large."""
     small, large = _DATASETS

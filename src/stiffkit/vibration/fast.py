@@ -8,21 +8,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiffkit.compiled import Backend, BatchFunction
-from stiffkit.kinematics import Located
-from stiffkit.network import JointPart, LinkPart, loose_directions
-from stiffkit.robot import Freedom
-from stiffkit.smallmat import as_objects
-from stiffkit.spatial import twist_shift
 from stiffkit.vibration.modes import ModalModel
+from stiffkit.vibration.own_axes import basis_of, modes_in_own_axes
 from stiffkit.vibration.reduced import Basis, ReducedKernel
+from stiffkit.vibration.tracking import ModeVectors
 
 Array = NDArray[np.float64]
 
 TOLERANCE = 2e-5
 """Largest relative error of a frequency at the postures that the basis is checked at."""
 
-_SPARE_MODES = 2
+SPARE_MODES = 2
 """Modes beyond those asked for that the basis is made from."""
+_MASSLESS = 1e-14
+"""Eigenvalues 1/omega^2 below this share of the largest are no modes."""
+_BLOCK = 1 << 13
+"""Postures at a time, so that their matrices do not fill the memory."""
 _TRAINING = 10
 """Postures by which what the basis is made from grows."""
 _CHECKED = 16
@@ -81,15 +82,9 @@ class FastModes:
 
     def _solve(self, q: Array) -> tuple[Array, Array]:
         """Return snapshots (n_energy, k) of unit energy, and frequencies (n, N); full model."""
-        snapshots, frequencies = [], []
-        for i, modes in enumerate(self.full.at_each(q, self.n + _SPARE_MODES)):
-            shapes = modes.shapes / (2.0 * np.pi * modes.frequencies_hz)
-            snapshots.append(self._to_own_axes(q[:, i], shapes))
-            padded = np.full(self.n, np.nan)
-            found = modes.frequencies_hz[: self.n]
-            padded[: found.size] = found
-            frequencies.append(padded)
-        return np.hstack(snapshots), np.array(frequencies).T
+        modes = modes_in_own_axes(self.full, q, self.n + SPARE_MODES)
+        snapshots = modes.vectors.reshape(-1, modes.vectors.shape[2]).T
+        return np.asarray(snapshots), modes.frequencies[: self.n]
 
     def _fit(self, snapshots: Array, q: Array, exact: Array) -> None:
         """Choose the smallest basis that is good enough at postures q."""
@@ -97,7 +92,7 @@ class FastModes:
         most = min(int(np.sum(values > 1e-9 * values[0])), _LARGEST)
         sizes = range(min(self.n + 4, most), most, 4)
         for size in [*sizes, most]:
-            self._use(self._basis(U[:, :size]))
+            self._use(basis_of(self.full, U[:, :size]))
             errors = np.abs(self.frequencies(q) / exact - 1.0)[np.isfinite(exact)]
             error = float(errors.max()) if np.isfinite(errors).all() and errors.size else np.inf
             self.trust = Trust(size, error, q.shape[1])
@@ -107,6 +102,7 @@ class FastModes:
     def _use(self, basis: Basis) -> None:
         model = ReducedKernel(self.full.tree, self.full.length, self.full.bodies, basis)
         self._function = BatchFunction(model.kernel(), self._backend)
+        self._function_with_factor = BatchFunction(model.kernel(with_factor=True), self._backend)
         self._size = basis.size
 
     def frequencies(self, q: Array) -> Array:
@@ -114,74 +110,56 @@ class FastModes:
 
         NaN where a posture is not defined, or where there are fewer modes.
         """
-        lower = self._function(q)
-        r = self._size
-        matrices = np.zeros((q.shape[1], r, r))
-        rows, columns = np.tril_indices(r)
-        matrices[:, rows, columns] = lower.T
-        usable = np.isfinite(lower).all(axis=0)
+        matrices, usable = self._matrices(self._function(q))
+        values = np.asarray(np.linalg.eigvalsh(matrices, UPLO="L")[:, ::-1])
         result = np.full((self.n, q.shape[1]), np.nan)
-        values = np.linalg.eigvalsh(matrices[usable], UPLO="L")[:, ::-1][:, : self.n]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            result[: values.shape[1], usable] = (1.0 / (2.0 * np.pi * np.sqrt(values))).T
+        result[:, usable] = _frequencies_of(values, self.n)
         return result
 
-    def _to_own_axes(self, q: Array, shapes: Array) -> Array:
-        """Return elastic coordinates (n_energy, k) in their own axes, of unit stiffness."""
-        coordinates, robot = self.full.coordinates, self.full.tree.robot
-        located = Located(
-            self.full.tree,
-            coordinates.constants,
-            as_objects(q),
-            as_objects(coordinates.constants.values),
-        )
-        tool = np.array(located.tool.p, dtype=float)
-        to_si = np.diag([self.full.length] * 3 + [1.0] * 3)
-        rows, start = [], 0
-        for edge in coordinates.network.edges:
-            if isinstance(edge.part, LinkPart):
-                link = robot.links[edge.part.name]
-                frame = located.body(link.name)
-                R = np.array(frame.R, dtype=float)
-                tip = R @ link.ports["tip"].position + np.array(frame.p, dtype=float)
-                to_tip = np.kron(np.eye(2), R.T) @ twist_shift(tip - tool) @ to_si
-                roots = np.sqrt(self.full.bodies.mode_stiffness.get(link.name, np.zeros(0)))
-                end = start + 6 + roots.size
-                rows.append(_root_stiffness(link.compliance) @ to_tip @ shapes[start : start + 6])
-                rows.append(roots[:, None] * shapes[start + 6 : end])
-                start = end
-            elif isinstance(edge.part, JointPart):
-                joint = robot.joints[edge.part.name]
-                for direction in loose_directions(joint):
-                    unit = 1.0 if direction.turns else self.full.length
-                    if direction.freedom is not Freedom.PASSIVE:
-                        root = np.sqrt(joint.stiffness[direction.index])
-                        rows.append(root * unit * shapes[start : start + 1])
-                    start += 1
-        return np.concatenate(rows)
+    def modes(self, q: Array) -> ModeVectors:
+        """Return the lowest n modes and `SPARE_MODES` more at coordinates (n_coordinates, N).
 
-    def _basis(self, U: Array) -> Basis:
-        """Return the basis of orthonormal columns (n_energy, r) of unit stiffness."""
-        coordinates, robot = self.full.coordinates, self.full.tree.robot
-        blocks: dict[int, Array] = {}
-        start = 0
-        for i, edge in enumerate(coordinates.network.edges):
-            if isinstance(edge.part, LinkPart):
-                link = robot.links[edge.part.name]
-                roots = np.sqrt(self.full.bodies.mode_stiffness.get(link.name, np.zeros(0)))
-                end = start + 6 + roots.size
-                bending = np.linalg.solve(_root_stiffness(link.compliance), U[start : start + 6])
-                blocks[i] = np.vstack([bending, U[start + 6 : end] / roots[:, None]])
-                start = end
-            elif isinstance(edge.part, JointPart):
-                joint = robot.joints[edge.part.name]
-                directions = loose_directions(joint)
-                blocks[i] = np.zeros((len(directions), U.shape[1]))
-                for j, direction in enumerate(directions):
-                    if direction.freedom is not Freedom.PASSIVE:
-                        blocks[i][j] = U[start] / np.sqrt(joint.stiffness[direction.index])
-                        start += 1
-        return Basis(blocks)
+        The vectors are the modes' elastic coordinates in their own axes, of unit energy, seen on
+        the basis: comparable between postures. Spare modes are there to follow modes through; their
+        frequencies are not part of what `trust` says. No modes where a posture is not defined.
+        """
+        n, r = self.n + SPARE_MODES, self._size
+        frequencies = np.full((n, q.shape[1]), np.nan)
+        vectors = np.zeros((q.shape[1], n, r), dtype=np.float32)
+        for start in range(0, q.shape[1], _BLOCK):
+            both = self._function_with_factor(q[:, start : start + _BLOCK])
+            lower, factor = np.split(both, 2)
+            matrices, usable = self._matrices(lower)
+            values, Y = np.linalg.eigh(matrices, UPLO="L")
+            values, Y = values[:, ::-1], Y[:, :, ::-1]
+            known = start + np.flatnonzero(usable)
+            frequencies[:, known] = _frequencies_of(values, n)
+            L = _lower_triangular(factor[:, usable], r)
+            vectors[known, : min(n, r)] = np.swapaxes(L @ Y[:, :, :n], 1, 2)
+        vectors[np.isnan(frequencies.T)] = 0.0
+        return ModeVectors(frequencies, vectors)
+
+    def _matrices(self, lower: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Return lower triangles (r(r+1)/2, N) as matrices (m, r, r), and which N they are."""
+        usable = np.asarray(np.isfinite(lower).all(axis=0))
+        return _lower_triangular(lower[:, usable], self._size), usable
+
+
+def _lower_triangular(lower: Array, r: int) -> Array:
+    """Return matrices (N, r, r) of lower triangles (r(r+1)/2, N), zero above."""
+    matrices = np.zeros((lower.shape[1], r, r))
+    rows, columns = np.tril_indices(r)
+    matrices[:, rows, columns] = lower.T
+    return matrices
+
+
+def _frequencies_of(values: Array, n: int) -> Array:
+    """Return frequencies (n, N), Hz, of eigenvalues 1/omega^2 (N, r), largest first."""
+    result = np.full((n, values.shape[0]), np.nan)
+    exists = values[:, :n] > _MASSLESS * values[:, :1]
+    omega = 1.0 / np.sqrt(np.where(exists, values[:, :n], np.nan))
+    result[: omega.shape[1]] = omega.T / (2.0 * np.pi)
+    return result
 
 
 def _far_apart(q: Array, count: int) -> NDArray[np.intp]:
@@ -195,8 +173,3 @@ def _far_apart(q: Array, count: int) -> NDArray[np.intp]:
         to_chosen = np.sum((x - x[:, chosen[-1:]]) ** 2, axis=0)
         distance = to_chosen if len(chosen) == 1 else np.minimum(distance, to_chosen)
     return np.array(chosen)
-
-
-def _root_stiffness(compliance: Array | None) -> Array:
-    """Return E with E^T E the inverse of a compliance (6, 6)."""
-    return np.asarray(np.linalg.inv(np.linalg.cholesky(np.asarray(compliance))))

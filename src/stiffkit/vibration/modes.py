@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eigh
+from scipy.linalg import LinAlgError, eigh, svd
 
 from stiffkit.compiled import Backend, BatchFunction, Constants, Kernel
 from stiffkit.kinematics import Located, SpanningTree
@@ -130,7 +130,7 @@ class ModalModel:
         R = motions.factor()
         # In coordinates of unit stiffness the mass matrix has eigenvalues 1/omega^2.
         half = np.linalg.solve(R.T, held.T).T
-        _, singular, Vt = np.linalg.svd(half, full_matrices=False)
+        singular, Vt = _singular_values(np.asarray(half))
         kept = singular > np.sqrt(_MASSLESS) * (singular[0] if singular.size else 1.0)
         singular, Vt = np.asarray(singular[kept]), np.asarray(Vt[kept])
         of_tool = at.tool @ (motions.held + motions.free @ follow)
@@ -195,6 +195,16 @@ class ModalModel:
         total = sum(shares.values())
         ranked = sorted(shares.items(), key=lambda item: -item[1])
         return {name: value / total for name, value in ranked}
+
+
+def _singular_values(A: Array) -> tuple[Array, Array]:
+    """Return the singular values (k,), largest first, and right vectors (k, n) of A (m, n)."""
+    try:
+        _, values, Vt = svd(A, full_matrices=False)
+    except LinAlgError:
+        # The faster algorithm does not converge on some rare matrices; the slower one always does.
+        _, values, Vt = svd(A, full_matrices=False, lapack_driver="gesvd")
+    return np.asarray(values), np.asarray(Vt)
 
 
 def _inverse_of_massive(free: Array, scale: float) -> Array:

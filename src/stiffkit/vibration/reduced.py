@@ -154,14 +154,16 @@ class ReducedKernel:
         self.constants.add(f"modes:{name}", M[:12, 12:] @ modes)
         self.constants.add_symmetric(f"own:{name}", modes.T @ M[12:, 12:] @ modes)
 
-    def kernel(self) -> Kernel:
+    def kernel(self, *, with_factor: bool = False) -> Kernel:
         """Return the kernel.
 
         Inputs: coordinates of the tree. Outputs: the lower triangle of L^-1 M L^-T with the reduced
         stiffness L L^T and mass M; its eigenvalues are 1/omega^2, the largest belonging to the
-        lowest mode.
+        lowest mode. With ``with_factor`` the lower triangle of L follows: it takes an eigenvector y
+        to L y, the parts that the basis vectors have in the mode, of unit energy.
         """
         r = self.basis.size
+        entries = [(i, j) for i in range(r) for j in range(i + 1)]
 
         def reduced(q: Vector, c: Vector) -> Vector:
             located = Located(self.tree, self.constants, q, c)
@@ -176,8 +178,11 @@ class ReducedKernel:
                 for j in range(r):
                     C[i, j] = column[j]
             roots = vector(sqrt(d) for d in factors.inverse_pivots)
-            scaled = symmetric(r, lambda i, j: C[i, j] * roots[i] * roots[j])
-            return lower_triangle(scaled)
+            scaled = lower_triangle(symmetric(r, lambda i, j: C[i, j] * roots[i] * roots[j]))
+            if not with_factor:
+                return scaled
+            pivots = vector(sqrt(d) for d in factors.pivots)
+            return vector([*scaled, *(multiply(factors.L[i, j], pivots[j]) for i, j in entries)])
 
         topology = (
             self.tree.topology,
@@ -187,7 +192,8 @@ class ReducedKernel:
             tuple(self.bodies.elastic),
             tuple(tuple(loose_directions(joint)) for joint in self.robot.joints.values()),
         )
-        return Kernel("reduced modes", reduced, self.tree.n_coordinates, self.constants, topology)
+        name = "reduced modes and factor" if with_factor else "reduced modes"
+        return Kernel(name, reduced, self.tree.n_coordinates, self.constants, topology)
 
 
 class _Posture:

@@ -19,6 +19,7 @@ from stiffkit.robot import BASE, Link, Robot
 from stiffkit.spatial import Frame, exp_rotation, shift_stiffness
 from stiffkit.vibration.bodies import Bodies
 from stiffkit.vibration.modes import ModalModel
+from stiffkit.vibration.tracking import ModeVectors
 
 Array = NDArray[np.float64]
 
@@ -114,24 +115,52 @@ def simplified_frequencies(lower: Array, tool: Array, mass: Array, length: float
         mass: (6, 6), of `platform_mass`.
         length: m, typical of the robot.
     """
-    known = np.flatnonzero(np.isfinite(lower).all(axis=0) & np.isfinite(tool).all(axis=0))
+    known, shapes = _weighted(lower, tool, mass, length)
     frequencies = np.full((6, lower.shape[1]), np.nan)
-    if known.size == 0:
-        return frequencies
+    frequencies[:, known] = _frequencies_of(np.linalg.svd(shapes, compute_uv=False))
+    return frequencies
+
+
+def simplified_mode_vectors(lower: Array, tool: Array, mass: Array, length: float) -> ModeVectors:
+    """Return the modes of N postures; arguments as for `simplified_frequencies`.
+
+    Their vectors are the platform's twists in its own axes, weighted by the root of its mass.
+    """
+    known, shapes = _weighted(lower, tool, mass, length)
+    frequencies = np.full((6, lower.shape[1]), np.nan)
+    vectors = np.zeros((lower.shape[1], 6, 6))
+    U, singular, _ = np.linalg.svd(shapes)
+    frequencies[:, known] = _frequencies_of(singular)
+    vectors[known] = np.swapaxes(U, 1, 2)
+    vectors[np.isnan(frequencies.T)] = 0.0
+    return ModeVectors(frequencies, vectors)
+
+
+def _weighted(
+    lower: Array, tool: Array, mass: Array, length: float
+) -> tuple[NDArray[np.intp], Array]:
+    """Return which postures (n,) have an answer, and matrices (n, 6, 6) that hold their modes.
+
+    The singular values are 1/omega, and the left singular vectors the twists of the platform in
+    tool axes, weighted by the root of the mass.
+    """
+    known = np.flatnonzero(np.isfinite(lower).all(axis=0) & np.isfinite(tool).all(axis=0))
     unit = np.array([length] * 3 + [1.0] * 3)
     k = _full(lower[:, known]) / np.outer(unit, unit)
     values, vectors = np.linalg.eigh(k)
     values = np.where(values > _RIGID * values[:, -1:], values, 0.0)
-    # k = G G^T and M = B^T B: the singular values of B G are 1/omega.
+    # k = G G^T and M = B^T B.
     G = vectors * np.sqrt(values)[:, None, :]
     masses, axes = np.linalg.eigh(unit[:, None] * mass * unit)
     B = np.sqrt(np.maximum(masses, 0.0))[:, None] * axes.T
-    turned = _turned_back(tool[3:, known], G)
-    singular = np.linalg.svd(B @ turned, compute_uv=False)
+    return known, B @ _turned_back(tool[3:, known], G)
+
+
+def _frequencies_of(singular: NDArray[np.floating]) -> Array:
+    """Return the frequencies (6, n), Hz, of singular values 1/omega (n, 6), largest first."""
     exists = singular > np.sqrt(_MASSLESS) * singular[:, :1]
     omega = np.where(exists, 1.0 / np.where(exists, singular, 1.0), np.nan)
-    frequencies[:, known] = omega.T / (2.0 * np.pi)
-    return frequencies
+    return np.asarray(omega.T / (2.0 * np.pi))
 
 
 def _full(lower: Array) -> Array:
@@ -145,5 +174,5 @@ def _full(lower: Array) -> Array:
 
 def _turned_back(rotation_vectors: Array, G: Array) -> Array:
     """Return twists in the columns of G (N, 6, m), world axes, in tool axes."""
-    back = np.stack([exp_rotation(w).T for w in rotation_vectors.T])
+    back = np.array([exp_rotation(w).T for w in rotation_vectors.T]).reshape(-1, 3, 3)
     return np.concatenate([back @ G[:, :3], back @ G[:, 3:]], axis=1)

@@ -4,18 +4,6 @@ const map = JSON.parse(document.getElementById("data").textContent);
 const RATIO = "ratio";
 const BOTH = "both";
 const STATUS = ["computed", "out of reach", "singular", "uncontrolled", "outside the workspace"];
-const decoded = new Map();
-
-function decode(text) {
-  if (!decoded.has(text)) {
-    const bytes = Uint8Array.from(atob(text), (character) => character.charCodeAt(0));
-    const view = new DataView(bytes.buffer);
-    const numbers = new Float64Array(bytes.length / 4);
-    for (let i = 0; i < numbers.length; i += 1) numbers[i] = view.getFloat32(4 * i, true);
-    decoded.set(text, numbers);
-  }
-  return decoded.get(text);
-}
 
 function quantityNamed(name) {
   return map.quantities.find((quantity) => quantity.name === name);
@@ -75,32 +63,8 @@ function nearest(values, wanted) {
   return best;
 }
 
-function format(value) {
-  if (Number.isNaN(value)) return "–";
-  if (!Number.isFinite(value)) return "∞";
-  if (value === 0) return "0";
-  const size = Math.abs(value);
-  if (size < 1e-3 || size >= 1e6) return value.toExponential(3).replace(/-/g, "−");
-  const digits = Math.max(0, 3 - Math.floor(Math.log10(size)));
-  return String(Number(value.toFixed(digits))).replace("-", "−");
-}
-
-function withUnit(text, unit) {
-  if (!unit) return text;
-  return unit === "°" ? `${text}°` : `${text} ${unit}`;
-}
-
-function label(text, unit) {
-  return unit ? `${text} (${unit})` : text;
-}
-
 function modelName(model) {
   return model === RATIO ? "refined / simplified" : `${model} model`;
-}
-
-// Plotly reads a little HTML in its texts; names from the robot file are plain text.
-function plain(text) {
-  return String(text).replace(/&/g, "&amp;").replace(/</g, "&lt;").replace(/>/g, "&gt;");
 }
 
 function hoverText(quantity, load, index) {

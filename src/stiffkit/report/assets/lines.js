@@ -57,17 +57,9 @@ function drawCurve(id, along, view, height) {
   layout.margin.l = 72;
   layout.xaxis = axisLayout(along.axis, { showgrid: true, gridcolor: "#eceff2" });
   layout.yaxis = axisLayout({ name: view.title, unit: "" }, { showgrid: true, gridcolor: "#eceff2" });
-  if (scale.log) {
-    const ticks = logTicks(scale);
-    const margin = 0.06 * Math.log10(scale.high / scale.low);
-    const range = [Math.log10(scale.low) - margin, Math.log10(scale.high) + margin];
-    Object.assign(layout.yaxis, { type: "log", range, tickvals: ticks, ticktext: ticks.map(format) });
-  } else {
-    layout.yaxis.rangemode = "tozero";
-  }
-  layout.annotations = along.fixed
-    ? [{ xref: "paper", yref: "paper", x: 0, y: 1.01, yanchor: "bottom", showarrow: false, text: `at ${along.fixed}` }]
-    : [];
+  setScale(layout.yaxis, scale);
+  if (!scale.log) layout.yaxis.rangemode = "tozero";
+  layout.annotations = fixedNote(along.fixed);
   layout.shapes = gapShapes(x, along.indices, models);
   if (state.chosen && (state.through === "selected" || !map.isGrid || map.axes.length === 1)) {
     const at = state.chosen.at[map.axes.indexOf(along.axis)];
@@ -76,17 +68,40 @@ function drawCurve(id, along, view, height) {
   plot(id, traces, layout);
 }
 
-// Grey bands where no model has an answer, out to half way to the neighbours.
+// Round ticks on a logarithmic axis; a linear one fits itself to the values.
+function setScale(axis, scale) {
+  if (!scale.log) return;
+  const ticks = logTicks(scale);
+  const margin = 0.06 * Math.log10(scale.high / scale.low);
+  const range = [Math.log10(scale.low) - margin, Math.log10(scale.high) + margin];
+  Object.assign(axis, { type: "log", range, tickvals: ticks, ticktext: ticks.map(format) });
+}
+
+// What stays the same along a line, above the plot.
+function fixedNote(fixed, model) {
+  const text = [fixed && `at ${fixed}`, model].filter(Boolean).join(", ");
+  return text ? [{ xref: "paper", yref: "paper", x: 0, y: 1.01, yanchor: "bottom", showarrow: false, text }] : [];
+}
+
+// Grey bands where no model has an answer.
 function gapShapes(x, indices, models) {
+  const codes = indices.map((index) => {
+    const all = models.map((model) => statusOf(model, index));
+    return all.some((code) => code === 0) ? 0 : all[0];
+  });
+  return gapBands(x, codes);
+}
+
+// Grey bands at postures without an answer, out to half way to the neighbours.
+function gapBands(x, codes) {
   const shapes = [];
-  indices.forEach((index, i) => {
-    const codes = models.map((model) => statusOf(model, index));
-    if (codes.some((code) => code === 0) || codes[0] === 4) return;
+  codes.forEach((code, i) => {
+    if (code === 0 || code === 4) return;
     const left = i > 0 ? (x[i - 1] + x[i]) / 2 : x[i];
     const right = i + 1 < x.length ? (x[i] + x[i + 1]) / 2 : x[i];
     shapes.push({
       type: "rect", xref: "x", yref: "paper", x0: left, x1: right, y0: 0, y1: 1,
-      fillcolor: GAP_COLOURS[codes[0]], opacity: 0.7, line: { width: 0 }, layer: "below",
+      fillcolor: GAP_COLOURS[code], opacity: 0.7, line: { width: 0 }, layer: "below",
     });
   });
   return shapes;

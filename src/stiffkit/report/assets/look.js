@@ -17,6 +17,7 @@ const BUTTONS = {
   map: [["zoom2d", "pan2d", "resetScale2d", "toImage"]],
   volume: [["orbitRotation", "pan3d", "resetCameraDefault3d", "toImage"]],
   lines: [["toImage"]],
+  branches: [["toImage"]],
 };
 // From this spread on, a linear scale would hide the small values.
 const LOGARITHMIC_FROM = 6;

@@ -101,6 +101,7 @@ function start() {
   watch("line-through", "through");
   makeSliders();
   draw();
+  startBranches();
   ["map", "volume", "lines"].forEach(chooseOnClick);
   window.addEventListener("beforeprint", fitToPaper);
   window.addEventListener("afterprint", fitToWindow);

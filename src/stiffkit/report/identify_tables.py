@@ -1,0 +1,159 @@
+"""The tables on the page of an identified compliance. All text is escaped here."""
+
+from __future__ import annotations
+
+from html import escape
+
+import numpy as np
+
+from stiffkit.identify import IdentifiedLink, estimator_word
+from stiffkit.link.checks import LOADS
+from stiffkit.plots import format_value
+from stiffkit.spatial.rotation import Array
+
+DEFLECTIONS = ("x", "y", "z", "rx", "ry", "rz")
+UNITS_SI = (("m/N", "1/N"), ("1/N", "1/(N m)"))
+UNITS_MM = (("mm/N", "1/N"), ("1/N", "1/(N mm)"))
+
+
+def compliance_table(link: IdentifiedLink, *, millimetres: bool) -> str:
+    """Return the 36 elements, each with its standard error, those that are noise in grey."""
+    scale = _scale(millimetres)
+    k, error = link.compliance * scale, link.standard_error * scale
+    units = UNITS_MM if millimetres else UNITS_SI
+    head = "".join(f'<th scope="col">{load}</th>' for load in LOADS)
+    rows = []
+    for i, name in enumerate(DEFLECTIONS):
+        cells = "".join(
+            f'<td class="{"sure" if link.significant[i, j] else "noise"}" '
+            f'title="{escape(_title(link, i, j))}">{_power(k[i, j], 5)}'
+            f"<small>± {_power(error[i, j], 2)}</small></td>"
+            for j in range(6)
+        )
+        left, right = units[i // 3]
+        rows.append(
+            f'<tr><th scope="row">{name}</th>{cells}<td class="unit">{left}<br>{right}</td></tr>'
+        )
+    return (
+        '<table class="compliance"><thead><tr><th></th>'
+        f'{head}<th scope="col">unit under<br>forces, moments</th></tr></thead>'
+        f"<tbody>{''.join(rows)}</tbody></table>"
+    )
+
+
+def cases_table(link: IdentifiedLink) -> str:
+    """Return what is known of each load case."""
+    found = link.found
+    heads = (
+        "load case",
+        "load",
+        "translation, µm",
+        "rotation, µrad",
+        "sigma, µm",
+        "largest residual, µm",
+        "outliers",
+        "residuals",
+    )
+    rows = []
+    for j, name in enumerate(found.case_names):
+        d = 1e6 * found.estimate.deflections[j]
+        largest = (
+            f"{_short(1e6 * found.estimate.largest[j])} at node {found.estimate.largest_node[j]}"
+        )
+        outliers = "–" if found.outliers is None else str(len(found.outliers.nodes[j]))
+        cells = (
+            _short(float(np.linalg.norm(d[:3]))),
+            _short(float(np.linalg.norm(d[3:]))),
+            _short(1e6 * found.estimate.sigma[j]),
+            largest,
+            outliers,
+        )
+        words = found.structure[j].words
+        rows.append(
+            f'<tr><th scope="row">{escape(name)}</th>'
+            f'<td class="load">{escape(_load_words(link.wrenches[j]))}</td>'
+            + "".join(f"<td>{cell}</td>" for cell in cells)
+            + f'<td class="words">{escape(words[0].upper() + words[1:])}.</td></tr>'
+        )
+    return _table("cases", heads, rows)
+
+
+def alternatives_table(link: IdentifiedLink) -> str:
+    """Return the significant elements as other ways find them, as differences from the main one."""
+    main, others = link.found, link.alternatives
+    scale = _scale(millimetres=True)
+    heads = ("", f"{estimator_word(main)} (taken)", *(other.name for other in others))
+    rows = [
+        _row("nodes", [str(main.node_count), *(str(other.node_count) for other in others)]),
+        _row(
+            "sigma, µm",
+            [_short(1e6 * main.sigma), *(_short(1e6 * other.sigma) for other in others)],
+        ),
+    ]
+    for i in range(6):
+        for j in range(i, 6):
+            if not main.symmetrised_significant[i, j]:
+                continue
+            value = main.symmetrised[i, j]
+            shown = _power(value * scale[i, j], 5)
+            differences = [_relative(other.compliance[i, j], value) for other in others]
+            unit = UNITS_MM[i // 3][j // 3]
+            rows.append(_row(f"k{i + 1}{j + 1}, {unit}", [shown, *differences]))
+    return _table("figures ways", heads, rows)
+
+
+def _scale(millimetres: bool) -> Array:
+    """Return the factors (6, 6) from SI to the unit of length that is shown."""
+    scale = np.ones((6, 6))
+    if millimetres:
+        scale[:3, :3], scale[3:, 3:] = 1e3, 1e-3
+    return scale
+
+
+def _title(link: IdentifiedLink, i: int, j: int) -> str:
+    half = link.found.multiplier.value * link.standard_error[i, j]
+    k = link.compliance[i, j]
+    sure = "significant" if link.significant[i, j] else "not told from zero"
+    return f"k{i + 1}{j + 1} in SI: {k:.6g}, interval {k - half:.6g} to {k + half:.6g}, {sure}"
+
+
+def _load_words(wrench: Array) -> str:
+    units = ["N"] * 3 + ["N m"] * 3
+    size = np.abs(wrench[:3]).max(initial=0.0), np.abs(wrench[3:]).max(initial=0.0)
+    parts = [
+        f"{LOADS[i]} = {wrench[i]:.4g} {units[i]}"
+        for i in range(6)
+        if abs(wrench[i]) > 1e-9 * size[i // 3]
+    ]
+    return ", ".join(parts)
+
+
+def _relative(value: float, main: float) -> str:
+    percent = f"{100.0 * (value - main) / main:+.4f}"
+    return "same" if float(percent) == 0.0 else f"{percent} %".replace("-", "−")
+
+
+def _row(name: str, cells: list[str]) -> str:
+    return f'<tr><th scope="row">{escape(name)}</th>' + "".join(
+        f"<td>{cell}</td>" for cell in cells
+    )
+
+
+def _table(kind: str, heads: tuple[str, ...], rows: list[str]) -> str:
+    head = "".join(f'<th scope="col">{escape(text)}</th>' for text in heads)
+    return (
+        f'<table class="{kind}"><thead><tr>{head}</tr></thead>'
+        f"<tbody>{''.join(rows)}</tbody></table>"
+    )
+
+
+def _power(value: float, digits: int) -> str:
+    """Return a number with a power of ten as HTML."""
+    if value == 0.0:
+        return "0"
+    mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
+    return f"{mantissa}·10<sup>{int(exponent)}</sup>".replace("-", "−")
+
+
+def _short(value: float) -> str:
+    return escape(format_value(float(f"{value:.4g}")))
