@@ -280,7 +280,9 @@ class TestNoRobotFileAtAll:
         path = tmp_path / "large.yaml"
         with path.open("wb") as file:
             file.truncate(1 << 30)
-        assert "larger than 1024 KiB mend: files of this kind are small" in self.told(path.name, tmp_path)
+        assert "larger than 1024 KiB mend: files of this kind are small" in self.told(
+            path.name, tmp_path
+        )
 
     def test_bomb(self, tmp_path: Path) -> None:
         (tmp_path / "bomb.yaml").write_text(bomb(), encoding="utf-8")
