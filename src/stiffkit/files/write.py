@@ -18,9 +18,9 @@ class Row(list[float]):
 
 
 class _Dumper(yaml.SafeDumper):
-    """Knows rows, and writes what stands twice twice."""
+    """Knows rows, and writes twice what stands twice."""
 
-    def ignore_aliases(self, data: object) -> bool:
+    def ignore_aliases(self, data: object) -> bool:  # noqa: ARG002
         return True
 
 
