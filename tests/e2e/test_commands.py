@@ -18,7 +18,7 @@ from .commandline import STIFFKIT, output_of, run
 
 COMMANDS = (
     *("robots", "check", "pose", "modes", "map"),
-    *("identify", "advise", "schema", "completion"),
+    *("identify", "advise", "reproduce", "schema", "completion"),
 )
 
 

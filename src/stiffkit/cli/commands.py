@@ -16,6 +16,7 @@ import click
 from stiffkit import __version__
 from stiffkit.cli.arguments import RobotArgument, assignments, load_cases, tool_pose
 from stiffkit.cli.identifying import advise, identify
+from stiffkit.cli.reproducing import reproduce
 from stiffkit.errors import PoseError
 
 if TYPE_CHECKING:
@@ -63,6 +64,7 @@ def main() -> None:
 
 main.add_command(identify)
 main.add_command(advise)
+main.add_command(reproduce)
 
 
 @main.command()

@@ -13,6 +13,7 @@ from stiffkit.study.pose import PoseResult, analyse_pose
 from stiffkit.study.store import (
     MAP,
     MODES,
+    REPRODUCTION,
     identification,
     open_map,
     whole_directory,
@@ -24,6 +25,7 @@ __all__ = [
     "MAP",
     "MODELS_OF_VIBRATION",
     "MODES",
+    "REPRODUCTION",
     "Analysis",
     "Mode",
     "ModesResult",

@@ -34,6 +34,11 @@ class Kind:
 
 MAP = Kind("map", _DATASETS, ("figures", "report.html"))
 MODES = Kind("study of modes", ("modes.html",), ("modes",))
+REPRODUCTION = Kind(
+    "reproduction",
+    ("reproduction.json",),
+    tuple(f"figure-{n}.{kind}" for n in (1, 2) for kind in ("svg", "png")),
+)
 
 
 def identification(link_file: str) -> Kind:
