@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from stiffkit.errors import StiffkitError
+    from stiffkit.fea import CadLink, link_from_cad
     from stiffkit.identify import IdentifiedLink, identify_link
     from stiffkit.robot import Robot, list_robots, load_robot
     from stiffkit.study import (
@@ -32,6 +33,8 @@ __version__ = "0.1.0"
 # Rooms load when they are first used, so that a command that needs none starts at once.
 _HOMES = {
     "StiffkitError": "stiffkit.errors",
+    "CadLink": "stiffkit.fea",
+    "link_from_cad": "stiffkit.fea",
     "IdentifiedLink": "stiffkit.identify",
     "identify_link": "stiffkit.identify",
     "Robot": "stiffkit.robot",
@@ -48,6 +51,7 @@ _HOMES = {
 }
 
 __all__ = [
+    "CadLink",
     "IdentifiedLink",
     "ModesResult",
     "PoseResult",
@@ -58,6 +62,7 @@ __all__ = [
     "analyse_modes",
     "analyse_pose",
     "identify_link",
+    "link_from_cad",
     "list_robots",
     "load_robot",
     "map_workspace",

@@ -19,9 +19,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import matplotlib
 import pytest
 import yaml
 
+from stiffkit.fea.link_spec import SCHEMA_FILE as CAD_SCHEMA_FILE
 from stiffkit.files.schema import check_shape
 from stiffkit.files.source import Source
 from stiffkit.files.tree import Node, read_tree
@@ -55,9 +57,16 @@ def blocks(page: Path, *languages: str) -> list[Block]:
 
 
 @pytest.fixture(scope="module")
-def environment() -> dict[str, str]:
+def environment(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     programs = str(Path(sys.executable).parent)
-    return {**os.environ, "PATH": f"{programs}{os.pathsep}{os.environ['PATH']}", "COLUMNS": "100"}
+    return {
+        **os.environ,
+        "PATH": f"{programs}{os.pathsep}{os.environ['PATH']}",
+        "COLUMNS": "100",
+        # Matplotlib looks for its fonts anew wherever its own cache is not.
+        "MPLCONFIGDIR": matplotlib.get_cachedir(),
+        "XDG_CACHE_HOME": str(tmp_path_factory.mktemp("cache")),
+    }
 
 
 def write_files(page: Path, folder: Path) -> None:
@@ -183,6 +192,8 @@ def test_files_load(page: Path, tmp_path: Path) -> None:
         root = read_tree(Source(page, block.text, ""))
         if root.child("identify") is not None:
             check_shape(root, page, SPEC_SCHEMA_FILE)
+        elif root.child("cad") is not None:
+            check_shape(root, page, CAD_SCHEMA_FILE)
         elif named := _FILE.match(block.text):
             assert load_robot(tmp_path / named[1]).links
         else:
@@ -248,6 +259,12 @@ def test_the_reference_has_every_key_kind_and_material() -> None:
 def test_the_reference_of_specifications_has_every_key() -> None:
     text = text_of("docs/identify.md")
     for word in keys_of(json.loads(SPEC_SCHEMA_FILE.read_text("utf-8"))):
+        assert re.search(rf"\b{word}\b", text), word
+
+
+def test_the_reference_of_parts_has_every_key() -> None:
+    text = text_of("docs/cad.md")
+    for word in keys_of(json.loads(CAD_SCHEMA_FILE.read_text("utf-8"))):
         assert re.search(rf"\b{word}\b", text), word
 
 

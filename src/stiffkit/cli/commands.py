@@ -16,6 +16,7 @@ import click
 from stiffkit import __version__
 from stiffkit.cli.arguments import RobotArgument, assignments, load_cases, tool_pose
 from stiffkit.cli.identifying import advise, identify
+from stiffkit.cli.linking import link
 from stiffkit.cli.reproducing import reproduce
 from stiffkit.errors import PoseError
 
@@ -45,9 +46,12 @@ _json = click.option(
 
 
 def _load(robot: str, settings: tuple[str, ...]) -> Robot:
+    from stiffkit.cli.show import progress
     from stiffkit.robot import load_robot
 
-    return load_robot(robot, parameters=assignments(",".join(settings), "--set"))
+    given = assignments(",".join(settings), "--set")
+    with progress(sys.stderr.isatty()) as report:
+        return load_robot(robot, given, report)
 
 
 @click.group(
@@ -64,6 +68,7 @@ def main() -> None:
 
 main.add_command(identify)
 main.add_command(advise)
+main.add_command(link)
 main.add_command(reproduce)
 
 
@@ -282,15 +287,18 @@ def map_(robot: str, output: Path | None, points: int | None, settings: tuple[st
 
 
 @main.command()
-@click.argument("kind", type=click.Choice(["robot", "link", "identify"]), default="robot")
+@click.argument("kind", type=click.Choice(["robot", "link", "identify", "cad"]), default="robot")
 def schema(kind: str) -> None:
     """Print the JSON Schema of robot files, link files or specifications, for editors.
+
+    Specifications are those of identifications (identify) and of links from CAD (cad).
 
     Example:  stiffkit schema > robot.schema.json
     """
     from importlib.resources import files
 
-    text = files(f"stiffkit.{kind}").joinpath("schema.json").read_text(encoding="utf-8")
+    room = "fea" if kind == "cad" else kind
+    text = files(f"stiffkit.{room}").joinpath("schema.json").read_text(encoding="utf-8")
     click.echo(text, nl=False)
 
 

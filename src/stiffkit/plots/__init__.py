@@ -13,6 +13,7 @@ from stiffkit.plots.curves import curve_figure
 from stiffkit.plots.draw import position_text
 from stiffkit.plots.maps import map_figure, model_comparison_figure
 from stiffkit.plots.modes import mode_figure, write_mode_figures
+from stiffkit.plots.parts import write_face_figure, write_link_figures
 from stiffkit.plots.quantities import (
     QUANTITIES,
     Quantity,
@@ -71,6 +72,8 @@ __all__ = [
     "sweep_of",
     "unit_of",
     "values_of",
+    "write_face_figure",
     "write_figures",
+    "write_link_figures",
     "write_mode_figures",
 ]

@@ -1,10 +1,17 @@
-"""Pages for people: a map, the modes of a posture, an identified link; none needs a network."""
+"""Pages for people: a map, modes, an identified link, a link from CAD; none needs a network."""
 
 from __future__ import annotations
 
 from stiffkit.report.identify_page import write_identify_page
+from stiffkit.report.link_page import write_link_page
 from stiffkit.report.modes_page import write_modes_page
 from stiffkit.report.page import write_report
 from stiffkit.report.words import status_in_words
 
-__all__ = ["status_in_words", "write_identify_page", "write_modes_page", "write_report"]
+__all__ = [
+    "status_in_words",
+    "write_identify_page",
+    "write_link_page",
+    "write_modes_page",
+    "write_report",
+]

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
 
 from stiffkit.errors import LinkError
 from stiffkit.files.entry import Entry
@@ -12,7 +13,7 @@ from stiffkit.files.names import suggest
 from stiffkit.files.problems import Problems
 from stiffkit.link.beam import beam_compliance, beam_inertia
 from stiffkit.link.checks import doubts_compliance, doubts_inertia
-from stiffkit.link.file import find_link_file, read_link_file, read_tip
+from stiffkit.link.file import LinkFile, find_link_file, is_link_file, read_link_file, read_tip
 from stiffkit.link.given import read_compliance, read_inertia
 from stiffkit.link.line import beam_line
 from stiffkit.link.materials import Material
@@ -22,18 +23,25 @@ from stiffkit.spatial import Frame
 from stiffkit.units import LENGTH, MASS
 
 TIP = "tip"
-BODIES = ("beam", "rigid", "compliance")
+BODIES = ("beam", "rigid", "compliance", "cad")
 
 Fields = dict[str, Entry]
 """What a link says, its own keys and those copied from others."""
 
 
+Progress = Callable[[str, float], None]
+"""Is told what is being done, and the share that is done."""
+
+
 def read_links(
-    entries: Mapping[str, Entry], materials: Mapping[str, Material]
+    entries: Mapping[str, Entry],
+    materials: Mapping[str, Material],
+    progress: Progress | None = None,
 ) -> tuple[dict[str, Link], list[str]]:
     """Return the links by name, and notes on repairs and doubts.
 
-    Raises FileError where one of them cannot exist.
+    ``progress`` is called while parts from CAD are solved. Raises FileError where one of them
+    cannot exist.
     """
     fields = _with_copies(entries)
     links: dict[str, Link] = {}
@@ -41,7 +49,7 @@ def read_links(
     problems = Problems()
     for name, entry in entries.items():
         with problems.collect():
-            links[name], found = _LinkReader(name, entry, fields[name], materials).read()
+            links[name], found = _LinkReader(name, entry, fields[name], materials, progress).read()
             notes.extend(f"links.{name}: {note}" for note in found)
     problems.check()
     return links, notes
@@ -57,7 +65,7 @@ def _with_copies(entries: Mapping[str, Entry]) -> dict[str, Fields]:
         circle = list(reversed(error.args[1]))
         raise entries[circle[0]]["like"].error(
             f"link '{circle[0]}' is like itself: {' -> '.join(circle)}",
-            "describe one of them by 'beam', 'rigid' or 'compliance'",
+            "describe one of them by 'beam', 'rigid', 'compliance' or 'cad'",
         ) from None
     fields: dict[str, Fields] = {}
     for name in order:
@@ -84,12 +92,18 @@ class _LinkReader:
     """Reads one link; the notes gather on the way."""
 
     def __init__(
-        self, name: str, entry: Entry, fields: Fields, materials: Mapping[str, Material]
+        self,
+        name: str,
+        entry: Entry,
+        fields: Fields,
+        materials: Mapping[str, Material],
+        progress: Progress | None,
     ) -> None:
         self.name = name
         self.entry = entry
         self.fields = fields
         self.materials = materials
+        self.progress = progress
         self.notes: list[str] = []
 
     def read(self) -> tuple[Link, list[str]]:
@@ -98,6 +112,8 @@ class _LinkReader:
                 link = self.beam(self.fields["beam"])
             case "compliance":
                 link = self.given(self.fields["compliance"])
+            case "cad":
+                link = self.from_cad(self.fields["cad"])
             case _:
                 link = self.rigid(self.fields["rigid"])
         self.doubt(link)
@@ -112,7 +128,7 @@ class _LinkReader:
         if not given:
             raise self.entry.error(
                 "nothing says what the link is",
-                "add one of 'beam', 'rigid', 'compliance', or 'like: ANOTHER_LINK'",
+                "add one of 'beam', 'rigid', 'compliance', 'cad', or 'like: ANOTHER_LINK'",
             )
         return given[0]
 
@@ -145,7 +161,7 @@ class _LinkReader:
 
     def given(self, entry: Entry) -> Link:
         if isinstance(entry.node.value, str):
-            return self.from_file(entry)
+            return self.from_file(read_link_file(find_link_file(entry)), entry.text())
         compliance, repairs = read_compliance(entry)
         self.notes.extend(repairs)
         return Link(
@@ -158,13 +174,23 @@ class _LinkReader:
             origin="compliance",
         )
 
-    def from_file(self, entry: Entry) -> Link:
-        found = read_link_file(find_link_file(entry))
+    def from_cad(self, entry: Entry) -> Link:
+        # It takes long to import, and few robots need it.
+        from stiffkit.fea import link_from_cad, read_inline_spec, read_link_spec
+
+        if isinstance(entry.node.value, str):
+            spec = read_link_spec(_find_spec(entry))
+        else:
+            spec = read_inline_spec(entry, self.name, self.materials)
+        found = link_from_cad(spec, self.progress)
+        return self.from_file(found.link, f"cad {spec.cad.name}")
+
+    def from_file(self, found: LinkFile, origin: str) -> Link:
         self.notes.extend(found.notes)
         own = [key for key in ("mass", "center_of_mass", "inertia") if key in self.fields]
         if own and found.superelement is not None:
             raise self.fields[own[0]].error(
-                f"the superelement of {entry.text()} has a mass of its own", "leave this out"
+                f"the superelement of {origin} has a mass of its own", "leave this out"
             )
         mass = self.mass()
         return Link(
@@ -174,7 +200,7 @@ class _LinkReader:
             mass=found.mass if mass is None else mass,
             center_of_mass=self.center(found.center_of_mass),
             inertia=self.inertia(found.inertia),
-            origin=entry.text(),
+            origin=origin,
             superelement=found.superelement,
             covariance=found.covariance,
             content_hash=found.content_hash,
@@ -222,6 +248,23 @@ class _LinkReader:
             self.notes.extend(doubts_compliance(link.compliance))
         if link.mass and link.inertia is not None:
             self.notes.extend(doubts_inertia(link.mass, link.inertia))
+
+
+def _find_spec(entry: Entry) -> Path:
+    """Return the path of the link specification that a text names."""
+    name = entry.text()
+    if not is_link_file(name):
+        raise entry.error(
+            f"'{name}' is not the name of a link specification",
+            "interfaces and material belong to a part: write 'cad: {file: PART.step, material: "
+            "..., base: ..., tip: ...}', or the name of a file with these, ending in .yaml",
+        )
+    path = entry.path.parent / name
+    if not path.is_file():
+        raise entry.error(
+            f"there is no file '{path}'", "its name is taken relative to the robot file"
+        )
+    return path
 
 
 def _two_ports(tip: Frame) -> dict[str, Frame]:

@@ -17,7 +17,7 @@ from stiffkit.files.tree import read_tree
 from stiffkit.link.written import read_materials
 from stiffkit.robot.catalogue import find_robot
 from stiffkit.robot.joints import check_connected, read_joints
-from stiffkit.robot.links import read_links
+from stiffkit.robot.links import Progress, read_links
 from stiffkit.robot.model import Link, Parameter, Robot
 from stiffkit.robot.parts import read_parts
 from stiffkit.robot.task import read_home, read_loads, read_tool, read_workspace
@@ -27,11 +27,17 @@ SCHEMA_FILE = Path(__file__).with_name("schema.json")
 """The published schema; editors that know JSON Schema complete and check robot files with it."""
 
 
-def load_robot(path_or_name: str | Path, parameters: Mapping[str, Given] | None = None) -> Robot:
+def load_robot(
+    path_or_name: str | Path,
+    parameters: Mapping[str, Given] | None = None,
+    progress: Progress | None = None,
+) -> Robot:
     """Return the robot of a file, or of the catalogue by its name.
 
     ``parameters`` replace those of the file, such as ``{"base": "310 mm"}``; numbers are SI.
-    Raises FileError, with the place and how to mend it, where anything is wrong.
+    Parts from CAD that have not been solved before are; ``progress`` is told what is being done
+    and the share that is done. Raises FileError, with the place and how to mend it, where
+    anything is wrong.
     """
     path = find_robot(path_or_name)
     source = read_source(path)
@@ -43,7 +49,7 @@ def load_robot(path_or_name: str | Path, parameters: Mapping[str, Given] | None 
     if not link_entries:
         raise entry.error("the robot has no links", "add a section 'links'")
     joint_entries = read_parts(entry, "joints")
-    links, link_notes = read_links(link_entries, read_materials(entry.get("materials")))
+    links, link_notes = read_links(link_entries, read_materials(entry.get("materials")), progress)
     joints = read_joints(joint_entries, links)
     check_connected(joints, links, link_entries)
     return Robot(

@@ -54,7 +54,7 @@ class Link:
     inertia: Array | None = None
     """3x3, kg m^2, about the centre of mass, axes of the link frame."""
     origin: str = "rigid"
-    """How the link was given: rigid, beam, compliance, or the name of a link file."""
+    """How the link was given: rigid, beam, compliance, the name of a link file, or the CAD file."""
     line: Line | None = None
     """Elasticity and mass along the link, where they are known: those of a beam."""
     superelement: Superelement | None = None

@@ -11,9 +11,11 @@ from stiffkit.study.modes import (
 )
 from stiffkit.study.pose import PoseResult, analyse_pose
 from stiffkit.study.store import (
+    FACES,
     MAP,
     MODES,
     REPRODUCTION,
+    cad_link,
     identification,
     open_map,
     whole_directory,
@@ -22,6 +24,7 @@ from stiffkit.study.store import (
 from stiffkit.study.summary import Summary, summarise
 
 __all__ = [
+    "FACES",
     "MAP",
     "MODELS_OF_VIBRATION",
     "MODES",
@@ -34,6 +37,7 @@ __all__ = [
     "VibrationModel",
     "analyse_modes",
     "analyse_pose",
+    "cad_link",
     "identification",
     "map_workspace",
     "open_map",

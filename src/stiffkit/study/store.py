@@ -40,6 +40,13 @@ REPRODUCTION = Kind(
     tuple(f"figure-{n}.{kind}" for n in (1, 2) for kind in ("svg", "png")),
 )
 
+FACES = Kind("picture of faces", ("faces.png",), ("faces.svg",))
+
+
+def cad_link(link_file: str) -> Kind:
+    """Return what a link from CAD is made of, whose file has this name."""
+    return Kind("link from CAD", (link_file,), ("figures", "report.html"))
+
 
 def identification(link_file: str) -> Kind:
     """Return what the identification of a link is made of, whose file has this name."""

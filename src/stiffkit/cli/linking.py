@@ -1,0 +1,107 @@
+"""The command about links from CAD parts."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from stiffkit.errors import CadError
+
+if TYPE_CHECKING:
+    from stiffkit.fea import Part
+
+
+@click.command()
+@click.argument("source", metavar="SPEC", type=click.Path(path_type=Path))
+@click.option("--faces", is_flag=True, help="List the part's faces instead; SPEC may be the part.")
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path, file_okay=True),
+    default=None,
+    help="Directory for the results; by default stiffkit-NAME here, and none with --json or "
+    "--faces.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print JSON (SI units) instead of text.")
+def link(source: Path, faces: bool, output: Path | None, as_json: bool) -> None:
+    """Compliance and superelement of a link from a CAD part, with an estimated error.
+
+    SPEC is a YAML file that names the part, its material and its two interfaces. Writes
+    NAME.link.yaml, which robot files take by name, report.html, which needs no network, and
+    figures. What has been solved before is not solved again.
+
+    Examples:  stiffkit link foot.step --faces -o out/faces,  stiffkit link foot.yaml -o out/foot
+    """
+    if faces:
+        _list_faces(source, output, as_json)
+        return
+    from stiffkit.fea.link_spec import CAD_SUFFIXES, read_link_spec
+
+    if source.suffix.lower() in CAD_SUFFIXES:
+        raise CadError(
+            f"{source} is a part, and a link needs its material and two interfaces",
+            mend=f"look at its faces with 'stiffkit link {source} --faces', and write a "
+            "specification of them",
+        )
+    checked = read_link_spec(source)
+    from stiffkit.cli.show import progress
+    from stiffkit.cli.show_link import show_link
+    from stiffkit.fea.cad_link import as_json as plain
+    from stiffkit.fea.cad_link import link_from_cad
+
+    target = Path(f"stiffkit-{checked.name}") if output is None and not as_json else output
+    link_file = f"{checked.name}.link.yaml"
+    with progress(sys.stderr.isatty()) as report:
+        found = link_from_cad(checked, report)
+        if target is not None:
+            from stiffkit.plots import write_link_figures
+            from stiffkit.report import write_link_page
+            from stiffkit.study import cad_link, whole_directory
+
+            with whole_directory(target, cad_link(link_file)) as work:
+                found.write(work / link_file)
+                report("drawing figures", 0.95)
+                figures = write_link_figures(found, work / "figures")
+                report("writing the report", 0.98)
+                write_link_page(found, figures, work / "report.html")
+    if as_json:
+        click.echo(json.dumps(plain(found), indent=1, allow_nan=False))
+        return
+    show_link(found)
+    if target is not None:
+        click.echo(f"link: {target / link_file}")
+        click.echo(f"open {target / 'report.html'}")
+
+
+def _list_faces(source: Path, output: Path | None, as_json: bool) -> None:
+    part = _part(source)
+    if output is not None:
+        from stiffkit.plots import write_face_figure
+        from stiffkit.study import FACES, whole_directory
+
+        with whole_directory(output, FACES) as work:
+            write_face_figure(part, work / "faces")
+    from stiffkit.cli.show_link import faces_as_json, show_faces
+
+    if as_json:
+        click.echo(json.dumps(faces_as_json(part), indent=1, allow_nan=False))
+        return
+    show_faces(part)
+    if output is not None:
+        click.echo(f"picture: {output / 'faces.png'}")
+
+
+def _part(source: Path) -> Part:
+    """Return the part that a path or a specification names."""
+    from stiffkit.fea import read_step
+    from stiffkit.fea.link_spec import CAD_SUFFIXES, read_link_spec
+    from stiffkit.fea.solve import check_installed, read_part
+
+    check_installed()
+    if source.suffix.lower() not in CAD_SUFFIXES:
+        return read_part(read_link_spec(source))
+    return read_step(source)

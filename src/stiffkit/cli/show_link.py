@@ -1,0 +1,130 @@
+"""Parts and links from CAD as text for a terminal."""
+
+from __future__ import annotations
+
+from textwrap import fill
+from typing import TYPE_CHECKING, Any
+
+import click
+import numpy as np
+
+from stiffkit.cli.show import heading
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from stiffkit.fea import Face, Part
+    from stiffkit.fea.cad_link import CadLink
+
+WIDTH = 98
+
+
+def show_faces(part: Part) -> None:
+    """Print what the part is, and its faces, one a line."""
+    size = " x ".join(f"{1e3 * length:.6g}" for length in part.high - part.low)
+    heading(f"{part.name}: {size} mm, {1e6 * part.volume:.6g} cm3")
+    click.echo(f"  unit of the file: {part.unit}; {len(part.solids)} solids: ", nl=False)
+    click.echo(", ".join(solid.name for solid in part.solids))
+    heads = ("face", "kind", "area mm2", "centre mm", "normal", "radius, axis mm", "name, colour")
+    row = "{:>5}  {:<9}{:>11}  {:<28}{:<23}{:<30}{}"
+    click.echo(row.format(*heads).rstrip())
+    for face in part.faces:
+        cells = (
+            face.index,
+            face.kind,
+            f"{1e6 * face.area:.5g}",
+            _vector(1e3 * face.centre, 6),
+            _vector(face.normal, 3),
+            _round(face),
+            _marks(face),
+        )
+        click.echo(row.format(*cells).rstrip())
+
+
+def _round(face: Face) -> str:
+    if face.radius is None or face.axis is None:
+        return ""
+    return f"{1e3 * face.radius:.5g} along {_vector(face.axis, 3)}"
+
+
+def _marks(face: Face) -> str:
+    colour = "" if face.colour is None else "({:.3g}, {:.3g}, {:.3g})".format(*face.colour)
+    return " ".join(word for word in (face.name, colour) if word)
+
+
+def _vector(values: NDArray[np.float64], digits: int) -> str:
+    return "({})".format(", ".join(f"{round(float(x), 4) + 0.0:.{digits}g}" for x in values))
+
+
+def faces_as_json(part: Part) -> dict[str, Any]:
+    """Return a part and its faces as plain values, SI."""
+    return {
+        "part": part.name,
+        "unit": part.unit,
+        "low": part.low.tolist(),
+        "high": part.high.tolist(),
+        "volume": part.volume,
+        "solids": [solid.name for solid in part.solids],
+        "faces": [
+            {
+                "number": face.index,
+                "kind": face.kind,
+                "area": face.area,
+                "centre": face.centre.tolist(),
+                "normal": face.normal.tolist(),
+                "radius": face.radius,
+                "axis": None if face.axis is None else face.axis.tolist(),
+                "axis_point": None if face.axis_point is None else face.axis_point.tolist(),
+                "name": face.name,
+                "colour": None if face.colour is None else list(face.colour),
+            }
+            for face in part.faces
+        ],
+    }
+
+
+def show_link(link: CadLink) -> None:
+    """Print what was found: interfaces, compliance with its estimated error, the way there."""
+    solved, facts = link.solved, link.solved.facts
+    heading(link.spec.title)
+    _fact("part", f"{link.spec.cad.name}, {facts['faces']} faces")
+    for name, one in facts["interfaces"].items():
+        numbers = ", ".join(map(str, one["numbers"]))
+        place = _vector(1e3 * np.array(one["at"]), 6)
+        _fact(name, f"{one['interface']}, face {numbers} ({one['faces']}), at {place} mm")
+    for name, law in facts["materials"].items():
+        _fact("material", f"{law['name']} ({name})")
+    _fact("mass", f"{solved.mass:.6g} kg, centre {_vector(1e3 * solved.center_of_mass, 6)} mm")
+    _fact("tip", f"{_vector(1e3 * solved.T_link_tip.position, 6)} mm in link axes")
+    heading("compliance (m/N, 1/N; 1/N, rad/(N m)) of the tip with the base held, link axes")
+    for row in link.compliance:
+        click.echo("  " + "".join(f"{x + 0.0:>14.4e}" for x in row))
+    click.echo(f"  estimated error, over all loads: {_percent(solved.estimate)}")
+    if solved.element.mode_stiffness.size:
+        hertz = np.sqrt(solved.element.mode_stiffness) / (2.0 * np.pi)
+        shown = ", ".join(f"{f:.5g}" for f in hertz)
+        heading("natural frequencies with base and tip held, Hz")
+        click.echo(fill(shown, WIDTH, initial_indent="  ", subsequent_indent="  "))
+    heading("solutions")
+    click.echo(
+        f"  {'mesh':>4}{'order':>7}{'elements':>10}{'unknowns':>10}{'seconds':>9}"
+        f"{'estimate':>11}{'from last':>11}"
+    )
+    for step in solved.steps:
+        click.echo(
+            f"  {step.mesh:>4}{step.order:>7}{step.elements:>10}{step.unknowns:>10}"
+            f"{step.seconds:>9.1f}{_percent(step.estimate):>11}{_percent(step.change):>11}"
+        )
+    if link.from_cache:
+        click.echo("  solved before, taken from the cache")
+    for note in link.notes:
+        told = fill(f"note: {note}", WIDTH, subsequent_indent="  ")
+        click.echo(click.style("note: ", fg="yellow", bold=True) + told.removeprefix("note: "))
+
+
+def _percent(share: float | None) -> str:
+    return "-" if share is None else f"{100.0 * share:.2g} %"
+
+
+def _fact(name: str, value: str) -> None:
+    click.echo(fill(f"{name:<12}{value}", WIDTH, subsequent_indent=" " * 12))

@@ -1,0 +1,51 @@
+"""How much memory a factorisation takes, and how much there is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+_BLOCK = 72
+"""bytes of a 3 x 3 block of doubles."""
+
+_FILL = 4.4
+"""Measured on parts and blocks: blocks in the factor over (nodes)^1.4, at the high end."""
+
+_EXPONENT = 1.4
+
+_OVERHEAD = 1.5
+"""Matrix, element data and work space beside the factor."""
+
+SHARE = 0.8
+"""Of the free memory that a solve may take."""
+
+
+def direct_bytes(n_nodes: int) -> float:
+    """Return a prediction of the bytes that a direct solve with ``n_nodes`` nodes takes."""
+    return float(_OVERHEAD * _BLOCK * _FILL * n_nodes**_EXPONENT)
+
+
+def free_bytes() -> float:
+    """Return how much memory is free for this process, inf where the system does not say."""
+    return min(_system_free(), _container_free())
+
+
+def _system_free() -> float:
+    try:
+        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
+    except OSError:
+        return float("inf")
+    for line in lines:
+        if line.startswith("MemAvailable:"):
+            return 1024.0 * float(line.split()[1])
+    return float("inf")
+
+
+def _container_free() -> float:
+    """Return what the control group leaves, inf if it sets no limit."""
+    group = Path("/sys/fs/cgroup")
+    try:
+        limit = (group / "memory.max").read_text(encoding="ascii").strip()
+        used = float((group / "memory.current").read_text(encoding="ascii"))
+    except (OSError, ValueError):
+        return float("inf")
+    return float("inf") if limit == "max" else max(0.0, float(limit) - used)

@@ -1,0 +1,80 @@
+"""Estimates of the error that is left."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from stiffkit.fea.estimate import (
+    convergence,
+    geometry_error,
+    relative_difference,
+    wanted_sizes,
+    whitening,
+)
+
+K = np.diag([5e-8, 2e-3, 2e-3, 9e-3, 6e-3, 6e-3])
+K[1, 5] = K[5, 1] = 3e-3
+
+
+def test_the_difference_does_not_depend_on_axes_or_units() -> None:
+    rng = np.random.default_rng(0)
+    D = 1e-3 * K * (1.0 + 0.5 * rng.random((6, 6)))
+    D = D + D.T
+    change = rng.standard_normal((6, 6))
+    moved = relative_difference(change @ D @ change.T, change @ K @ change.T)
+    assert moved == pytest.approx(relative_difference(D, K), rel=1e-6)
+    assert relative_difference(0.01 * K, K) == pytest.approx(0.01)
+
+
+def test_the_difference_bounds_each_element() -> None:
+    rng = np.random.default_rng(1)
+    D = rng.standard_normal((6, 6)) * np.sqrt(np.outer(np.diag(K), np.diag(K)))
+    D = D + D.T
+    elements = np.abs(D) / np.sqrt(np.outer(np.diag(K), np.diag(K)))
+    assert relative_difference(D, K) >= elements.max()
+
+
+def test_whitening_makes_the_compliance_the_identity() -> None:
+    W = whitening(K)
+    np.testing.assert_allclose(W.T @ K @ W, np.eye(6), atol=1e-12)
+
+
+@pytest.mark.parametrize("rate", [0.4, 0.8, 1.2])
+def test_power_laws_are_found(rate: float) -> None:
+    unknowns = [10_000, 30_000, 70_000]
+    solutions = [(1.0 - 0.1 * (n / 10_000) ** -rate) * K for n in unknowns]
+    found = convergence(unknowns, solutions)
+    left = 0.1 * 7.0**-rate
+    assert found.rate == pytest.approx(rate, rel=0.02)
+    assert found.error == pytest.approx(left / (1.0 - left), rel=0.1)
+    assert found.predict(2.0) == pytest.approx(found.error * 2.0**-found.rate)
+
+
+def test_nothing_is_known_from_one_solution() -> None:
+    assert convergence([1000], [K]).error == np.inf
+
+
+def test_a_small_change_by_chance_is_not_believed() -> None:
+    found = convergence([10_000, 30_000, 70_000], [0.9 * K, K, K])
+    assert found.error > 2e-4
+
+
+def test_a_change_without_more_unknowns_proves_nothing() -> None:
+    assert convergence([10_000, 10_100], [0.99 * K, K]).error == pytest.approx(0.01)
+
+
+def test_sizes_spread_the_error() -> None:
+    rng = np.random.default_rng(2)
+    sizes, energies = rng.uniform(1.0, 2.0, 1000), 10.0 ** rng.uniform(-8, 0, 1000)
+    wanted = wanted_sizes(sizes, energies, 2.0)
+    assert np.all(wanted <= sizes)
+    assert np.all(wanted >= sizes / 4.0 - 1e-12)
+    assert np.mean((sizes / wanted) ** 3) == pytest.approx(2.0, rel=0.01)
+    finer = sizes / wanted
+    assert np.all(np.diff(finer[np.argsort(energies)]) >= -1e-12)
+
+
+def test_geometry_errors_of_either_sign_count() -> None:
+    assert geometry_error(-0.01, 0.0) == geometry_error(0.01, 0.0) == pytest.approx(0.03)
+    assert geometry_error(0.0, 0.0) == 0.0
