@@ -13,6 +13,7 @@ demo: $(STAMP)
 test: lint
 	requirements/need-browser.sh
 	requirements/need-calculix.sh
+	requirements/need-fortran.sh
 	$(BIN)/pytest -n auto
 
 lint: $(STAMP)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from importlib import import_module
+from typing import Any
 
 import numpy as np
 import pytest
@@ -244,3 +246,24 @@ def test_a_link_needs_two_ports() -> None:
             [STEEL],
             ORDER_2,
         )
+
+
+def test_a_solve_that_fails_leaves_the_one_before_it_whole(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its factor was given back to make room, and its modes are still asked for."""
+    solved: list[int] = []
+
+    def once(*arguments: Any) -> PortModel:
+        settings: SolveSettings = arguments[3]
+        solved.append(settings.order)
+        if len(solved) == 3:
+            raise CadError("the memory does not suffice")
+        model: PortModel = reduce_part(*arguments)
+        return model
+
+    monkeypatch.setattr(import_module("stiffkit.fea.adapt"), "reduce_part", once)
+    bar = part("beam", length=50.0)
+    found = adapt(bar, ends(bar, "clamped", "average"), [STEEL], AdaptSettings(tolerance=1e-9))
+    assert "memory" in found.stopped
+    assert not found.converged
+    assert solved[-1] == solved[-3]
+    assert found.model.modes(2)[0].size == 2

@@ -169,16 +169,17 @@ class _Loop:
         if self.best is None:
             raise CadError("no solution was found within the limits", mend="allow more")
         model, mesh = self.best
+        if model.solver.body.is_released:
+            # A solve that failed came after it; what is still to be asked of it needs its factor.
+            settings = model.solver.body.settings
+            model = reduce_part(mesh, self.ports, self.laws, settings, self.held)
         return Adapted(model, mesh, tuple(self.history), self._is_done(), stopped)
 
     def _is_done(self) -> bool:
         return self.history[-1].estimate <= self.settings.tolerance
 
     def _raise_order(self, mesh: PartMesh, number: int) -> tuple[list[PortModel], str]:
-        """Solve with rising order on a mesh; return the last two solutions and why it must end.
-
-        Of those that another is to follow, only the displacements are kept.
-        """
+        """Solve with rising order on a mesh; return the last two solutions and why it must end."""
         first, highest = ORDERS
         models: list[PortModel] = []
         levels: list[Level] = []

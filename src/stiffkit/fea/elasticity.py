@@ -73,7 +73,7 @@ class Elasticity:
         # preconditioners do not know them.
         self._blocked = True
         self.n_nodes = int(self._make_space().ndof)
-        self._iterative = self._is_iterative()
+        self._iterative = memory.must_iterate(self.n_nodes, settings.solver, settings.memory)
         self._blocked = bool(self._held) and not self._iterative
         self._set_up()
 
@@ -192,6 +192,11 @@ class Elasticity:
         """Give the memory of matrix and factor back; nothing can be solved any more."""
         self._form = self._inverse = self._preconditioner = self._mass = None
 
+    @property
+    def is_released(self) -> bool:
+        """Whether matrix and factor were given back."""
+        return self._form is None
+
     def difference_energies(self, fields: Array, other: Elasticity, others: Array) -> Array:
         """Return twice the energies (e,), J, of the elements in the difference of solutions.
 
@@ -262,24 +267,6 @@ class Elasticity:
         for row in chosen:
             node, axis = divmod(int(row), 3)
             free.Clear(int(axis * self.n_nodes + nodes[node]))
-
-    def _is_iterative(self) -> bool:
-        """Say whether to iterate; `CadError` if the direct solver is asked for and will not fit."""
-        allowed = self.settings.memory
-        if allowed is None:
-            allowed = memory.SHARE * memory.free_bytes()
-        needed = memory.direct_bytes(self.n_nodes)
-        if self.settings.solver == "iterative":
-            return True
-        if needed <= allowed:
-            return False
-        if self.settings.solver == "direct":
-            raise CadError(
-                f"solving {3 * self.n_nodes} unknowns directly takes about {needed / 1e9:.1f} GB, "
-                f"and {allowed / 1e9:.1f} GB are allowed",
-                mend="use the iterative solver, a larger mesh size or a lower order",
-            )
-        return True
 
     def _invert(self) -> Any:
         if self._preconditioner is None:

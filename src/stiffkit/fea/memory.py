@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from stiffkit.errors import CadError
+
 _BLOCK = 72
 """bytes of a 3 x 3 block of doubles."""
 
@@ -22,6 +24,26 @@ SHARE = 0.8
 def direct_bytes(n_nodes: int) -> float:
     """Return a prediction of the bytes that a direct solve with ``n_nodes`` nodes takes."""
     return float(_OVERHEAD * _BLOCK * _FILL * n_nodes**_EXPONENT)
+
+
+def must_iterate(n_nodes: int, solver: str, allowed: float | None) -> bool:
+    """Say whether to solve iteratively.
+
+    ``solver``: direct, iterative, or auto; ``allowed`` in bytes, most of what is free if None.
+    Raises `CadError` if the direct solver is asked for and will not fit.
+    """
+    if solver == "iterative":
+        return True
+    if allowed is None:
+        allowed = SHARE * free_bytes()
+    needed = direct_bytes(n_nodes)
+    if needed > allowed and solver == "direct":
+        raise CadError(
+            f"solving {3 * n_nodes} unknowns directly takes about {needed / 1e9:.1f} GB, "
+            f"and {allowed / 1e9:.1f} GB are allowed",
+            mend="use the iterative solver, a larger mesh size or a lower order",
+        )
+    return needed > allowed
 
 
 def free_bytes() -> float:
