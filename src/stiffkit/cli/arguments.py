@@ -16,6 +16,10 @@ if TYPE_CHECKING:
 
 WRENCH = ("fx", "fy", "fz", "mx", "my", "mz")
 
+json_option = click.option(
+    "--json", "as_json", is_flag=True, help="Print JSON (SI units) instead of text."
+)
+
 
 def assignments(text: str, option: str) -> dict[str, str]:
     """Return the parts of ``name=value,name=value``."""

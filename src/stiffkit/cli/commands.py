@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import click
 
 from stiffkit import __version__
-from stiffkit.cli.arguments import RobotArgument, assignments, load_cases, tool_pose
+from stiffkit.cli.arguments import RobotArgument, assignments, json_option, load_cases, tool_pose
 from stiffkit.cli.identifying import advise, identify
 from stiffkit.cli.linking import link
 from stiffkit.cli.reproducing import reproduce
@@ -39,9 +39,6 @@ _at = click.option(
     help="Tool coordinates x, y, z and rotation vector rx, ry, rz; bare numbers are m and rad, "
     "units as in x=497.5mm,rz=10deg. Those not given are the home posture's, or follow from the "
     "mechanism.",
-)
-_json = click.option(
-    "--json", "as_json", is_flag=True, help="Print JSON (SI units) instead of text."
 )
 
 
@@ -121,7 +118,7 @@ def check(robot: str, settings: tuple[str, ...]) -> None:
     show_default=True,
     help="refined: links, joints and drives are elastic; simplified: drives only.",
 )
-@_json
+@json_option
 @_set
 def pose(
     robot: str,
@@ -178,7 +175,7 @@ def pose(
     default=None,
     help="Elements of each link; by default 8 beam elements, or 20 rigid ones. Many take long.",
 )
-@_json
+@json_option
 @click.option(
     "-o",
     "--output",

@@ -8,9 +8,7 @@ from pathlib import Path
 
 import click
 
-_json = click.option(
-    "--json", "as_json", is_flag=True, help="Print JSON (SI units) instead of text."
-)
+from stiffkit.cli.arguments import json_option
 
 
 @click.command()
@@ -22,7 +20,7 @@ _json = click.option(
     default=None,
     help="Directory for the results; by default stiffkit-NAME here, and none with --json.",
 )
-@_json
+@json_option
 def identify(spec: Path, output: Path | None, as_json: bool) -> None:
     """Compliance of a link from displacement fields, with error bars.
 
@@ -71,7 +69,7 @@ def identify(spec: Path, output: Path | None, as_json: bool) -> None:
     show_default=True,
     help="Relative error of a deflection that is wanted.",
 )
-@_json
+@json_option
 def advise(
     link: Path,
     noise: str | None,

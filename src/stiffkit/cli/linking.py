@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from stiffkit.cli.arguments import json_option
 from stiffkit.errors import CadError
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     help="Directory for the results; by default stiffkit-NAME here, and none with --json or "
     "--faces.",
 )
-@click.option("--json", "as_json", is_flag=True, help="Print JSON (SI units) instead of text.")
+@json_option
 def link(source: Path, faces: bool, output: Path | None, as_json: bool) -> None:
     """Compliance and superelement of a link from a CAD part, with an estimated error.
 

@@ -139,7 +139,9 @@ def _spec(
         base=_port(entry["base"]),
         tip=_port(entry["tip"]),
         up=None if up is None else _triple(up.vector(NUMBER)),
-        tolerance=TOLERANCE if tolerance is None else read_share(tolerance, most=0.5),
+        tolerance=TOLERANCE
+        if tolerance is None
+        else read_share(tolerance, most=0.5, example=0.001),
         n_modes=_whole(entry.get("modes"), MODES, 0, _MOST_MODES),
         mesh=_mesh(entry.get("mesh")),
         content_hash=content_hash,

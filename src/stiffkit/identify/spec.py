@@ -12,6 +12,7 @@ import numpy as np
 
 from stiffkit.errors import FieldError, UnitError
 from stiffkit.files import Entry, check_shape, read_frame, read_source, read_tree
+from stiffkit.files.shares import read_share
 from stiffkit.identify.estimators import Estimator
 from stiffkit.identify.identified import Options
 from stiffkit.identify.intervals import THREE_SIGMA
@@ -33,7 +34,6 @@ ESTIMATORS: Mapping[str, Estimator] = {
 """The estimators by the words of a specification."""
 
 _UNIT_NAME = re.compile(r"[^\d\s].*")
-_PERCENT = re.compile(r"([^%]*)%\s*")
 
 
 @dataclass(frozen=True)
@@ -272,28 +272,14 @@ def _options(entry: Entry) -> Options:
             "write 'estimator: lin', or drop outliers",
         )
     sigma = entry.get("sigma")
+    drop_share = 0.1 if dropped is None else read_share(dropped, most=0.5, example=0.1)
     return Options(
         estimator=ESTIMATORS["lin" if estimator is None else estimator.text()],
-        level=THREE_SIGMA if level is None else _share(level, most=1.0),
+        level=THREE_SIGMA if level is None else read_share(level, most=1.0, example=0.95),
         pooled=sigma is None or sigma.text() == "pooled",
         outliers="drop" if dropped is not None else "robust" if robust else "keep",
-        drop_percent=10.0 if dropped is None else 100.0 * _share(dropped, most=0.5),
+        drop_percent=100.0 * drop_share,
     )
-
-
-def _share(entry: Entry, most: float) -> float:
-    """Return a share between 0 and ``most``, both excluded."""
-    percent = _PERCENT.fullmatch(entry.text())
-    try:
-        share = to_si(percent[1], NUMBER) / 100.0 if percent else entry.quantity(NUMBER)
-    except UnitError as error:
-        raise entry.error(error.what, "write a share such as '10 %'") from None
-    if not 0.0 < share < most:
-        raise entry.error(
-            f"'{entry.text()}' is not between 0 and {100.0 * most:g} %",
-            f"'{100.0 * most / 2.0:g} %' and {most / 2.0:g} mean the same share",
-        )
-    return share
 
 
 def _truth(entry: Entry | None, default: bool) -> bool:

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eigh, null_space
 
 from stiffkit.spatial.rotation import Array
 
@@ -63,6 +62,8 @@ def _held_by(
     """Return how inner coordinates can move with ports held (i, k), and must with them (i, p)."""
     if ties is None or not ties.size:
         return np.eye(inner.size), np.zeros((inner.size, ports.size))
+    from scipy.linalg import null_space
+
     carried = -np.linalg.pinv(ties[:, inner]) @ ties[:, ports]
     return np.asarray(null_space(ties[:, inner])), np.asarray(carried)
 
@@ -75,6 +76,8 @@ def _lowest_modes(K: Array, M: Array, n: int | None) -> tuple[Array, Array]:
     """
     if not len(K):
         return np.zeros(0), np.zeros((0, 0))
+    from scipy.linalg import eigh  # slow to import, and not needed to read most robots
+
     # The stiffness is the definite one of the two; the eigenvalues are 1/omega^2.
     inverses, modes = eigh(M, K)
     massive = inverses > _MASSLESS * inverses.max(initial=0.0)

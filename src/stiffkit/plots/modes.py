@@ -14,7 +14,6 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from stiffkit.errors import OutputError
 from stiffkit.plots import style
 from stiffkit.vibration import JointDrawing, ModesDrawing, Path
 
@@ -37,13 +36,7 @@ def write_mode_figures(
 
     Raises OutputError if a file cannot be written.
     """
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(
-            f"cannot make the folder {directory}: {error.strerror or error}",
-            mend="give a folder that you may write to",
-        ) from error
+    style.make_folder(directory)
     written: list[FilePath] = []
     for i, (frequency, words) in enumerate(zip(frequencies_hz, descriptions, strict=True)):
         figure = mode_figure(drawing, i, float(frequency), words)

@@ -10,7 +10,6 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from stiffkit.errors import OutputError
 from stiffkit.fea import Part
 from stiffkit.fea.cad_link import CadLink
 from stiffkit.plots import style
@@ -44,13 +43,7 @@ def write_link_figures(link: CadLink, directory: Path) -> list[Path]:
 
     Raises OutputError if a file cannot be written.
     """
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(
-            f"cannot make the folder {directory}: {error.strerror or error}",
-            mend="give a folder that you may write to",
-        ) from error
+    style.make_folder(directory)
     written = style.save(mesh_figure(link), directory / "mesh")
     written += style.save(shapes_figure(link), directory / "shapes")
     if len(link.solved.steps) > 1:

@@ -118,6 +118,17 @@ def set_title(axes: Axes, text: str) -> None:
     axes.set_title(text, parse_math=False)
 
 
+def make_folder(directory: Path) -> None:
+    """Make a folder for figures if it is not there. Raises OutputError if that fails."""
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(
+            f"cannot make the folder {directory}: {error.strerror or error}",
+            mend="give a folder that you may write to",
+        ) from error
+
+
 def save(figure: Figure, stem: Path) -> list[Path]:
     """Write ``stem``.svg and ``stem``.png (300 dpi), the same bytes on every run.
 

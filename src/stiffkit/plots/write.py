@@ -11,7 +11,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from stiffkit.errors import OutputError
 from stiffkit.plots import style
 from stiffkit.plots.branches import branch_figure, has_branches
 from stiffkit.plots.curves import curve_figure
@@ -38,13 +37,7 @@ def write_figures(dataset: xr.Dataset, directory: Path) -> list[Path]:
     Raises:
         OutputError: if a file cannot be written.
     """
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(
-            f"cannot make the folder {directory}: {error.strerror or error}",
-            mend="give a folder that you may write to",
-        ) from error
+    style.make_folder(directory)
     written: list[Path] = []
     for stem, draw in _figures(dataset):
         written += style.save(draw(), directory / stem)

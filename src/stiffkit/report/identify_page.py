@@ -9,11 +9,10 @@ from string import Template
 import numpy as np
 
 from stiffkit import __version__
-from stiffkit.errors import OutputError
 from stiffkit.identify import IdentifiedLink, asymmetry_of, estimator_word, outlier_words
 from stiffkit.report.identify_payload import payload_of
 from stiffkit.report.identify_tables import alternatives_table, cases_table, compliance_table
-from stiffkit.report.page import asset, inline_script
+from stiffkit.report.page import asset, inline_script, write_text
 from stiffkit.report.payload import json_for_script
 from stiffkit.report.tables import bullet_list, card, pair_table
 
@@ -28,13 +27,7 @@ def write_identify_page(link: IdentifiedLink, path: Path) -> None:
 
     The page makes no request to any other place. Raises OutputError if it cannot be written.
     """
-    try:
-        path.write_text(_page(link), encoding="utf-8")
-    except OSError as error:
-        raise OutputError(
-            f"cannot write the report {path}: {error.strerror or error}",
-            mend="give a file in a folder that exists and that you may write to",
-        ) from error
+    write_text(_page(link), path, "report")
 
 
 def _page(link: IdentifiedLink) -> str:

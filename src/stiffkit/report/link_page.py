@@ -12,12 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiffkit import __version__
-from stiffkit.errors import OutputError
 from stiffkit.fea.cad_link import CadLink
-from stiffkit.report.page import asset
+from stiffkit.report.page import asset, write_text
 from stiffkit.report.tables import bullet_list, card, pair_table
-
-_DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
+from stiffkit.robot import DIRECTIONS
 
 
 def write_link_page(link: CadLink, figures: Sequence[Path], path: Path) -> None:
@@ -25,13 +23,7 @@ def write_link_page(link: CadLink, figures: Sequence[Path], path: Path) -> None:
 
     Raises OutputError if a figure cannot be read or the page cannot be written.
     """
-    try:
-        path.write_text(_page(link, figures), encoding="utf-8")
-    except OSError as error:
-        raise OutputError(
-            f"cannot write the report {path}: {error.strerror or error}",
-            mend="give a file in a folder that exists and that you may write to",
-        ) from error
+    write_text(_page(link, figures), path, "report")
 
 
 def _page(link: CadLink, figures: Sequence[Path]) -> str:
@@ -84,10 +76,10 @@ def _percent(share: float | None) -> str:
 
 
 def _matrix(k: NDArray[np.float64]) -> str:
-    heads = "".join(f'<th scope="col">{name}</th>' for name in _DIRECTIONS)
+    heads = "".join(f'<th scope="col">{name}</th>' for name in DIRECTIONS)
     rows = "".join(
         f'<tr><th scope="row">{name}</th>' + "".join(f"<td>{x:.4e}</td>" for x in row) + "</tr>"
-        for name, row in zip(_DIRECTIONS, k, strict=True)
+        for name, row in zip(DIRECTIONS, k, strict=True)
     )
     head = f"<thead><tr><th></th>{heads}</tr></thead>"
     return f'<table class="figures">{head}<tbody>{rows}</tbody></table>'

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from stiffkit import __version__
 from stiffkit.errors import OutputError
-from stiffkit.report.page import asset, inline_script
+from stiffkit.report.page import asset, inline_script, write_text
 from stiffkit.report.payload import json_for_script
 from stiffkit.report.tables import bullet_list, pair_table
 from stiffkit.robot import DIRECTIONS
@@ -40,13 +40,7 @@ def write_modes_page(result: ModesResult, path: Path) -> None:
             f"{result.robot} has no mode to draw there",
             mend="look at what the command says without -o",
         )
-    try:
-        path.write_text(_page(result, result.drawing), encoding="utf-8")
-    except OSError as error:
-        raise OutputError(
-            f"cannot write the page {path}: {error.strerror or error}",
-            mend="give a file in a folder that exists and that you may write to",
-        ) from error
+    write_text(_page(result, result.drawing), path, "page")
 
 
 def _page(result: ModesResult, drawing: ModesDrawing) -> str:

@@ -67,11 +67,16 @@ def write_report(
     # The page shows neither 6x6 matrices nor components, by far the largest part of a map.
     dataset = dataset.drop_vars(["compliance", "deflection"], errors="ignore").compute()
     page = _page(dataset, summary, figures)
+    write_text(page, path, "report")
+
+
+def write_text(text: str, path: Path, what: str) -> None:
+    """Write a page, called ``what`` in messages. Raises OutputError if it cannot be written."""
     try:
-        path.write_text(page, encoding="utf-8")
+        path.write_text(text, encoding="utf-8")
     except OSError as error:
         raise OutputError(
-            f"cannot write the report {path}: {error.strerror or error}",
+            f"cannot write the {what} {path}: {error.strerror or error}",
             mend="give a file in a folder that exists and that you may write to",
         ) from error
 
