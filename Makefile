@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/.ready
 DEMO := out/biglide
 
-.PHONY: demo test lint format bench lock clean
+.PHONY: demo test lint format bench bench-fea lock clean
 
 demo: $(STAMP)
 	$(BIN)/stiffkit map biglide -o $(DEMO)
@@ -27,6 +27,10 @@ format: $(STAMP)
 
 bench: $(STAMP)
 	$(BIN)/python -m benchmarks
+
+bench-fea: $(STAMP)
+	requirements/need-calculix.sh
+	$(BIN)/python -m benchmarks.fea --json out/bench-fea.json
 
 $(STAMP): requirements/dev.lock pyproject.toml requirements/make-venv.sh
 	requirements/make-venv.sh $(PYTHON) $(VENV)

@@ -7,17 +7,14 @@ of the field itself.
 from __future__ import annotations
 
 import json
-import re
-import resource
 import subprocess
 import sys
 from dataclasses import asdict, dataclass
-from pathlib import Path
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from benchmarks.measure import seconds
+from benchmarks.measure import peak_bytes, seconds
 from stiffkit.identify import Field, identify
 
 NODES = 100
@@ -70,15 +67,6 @@ def measure() -> Measured:
     return Measured(**json.loads(done.stdout))
 
 
-def _peak_bytes() -> int:
-    """Return the largest resident memory of this process so far."""
-    status = Path("/proc/self/status")
-    if status.exists():
-        # Unlike getrusage, this does not count what the process was that started this one.
-        return 1024 * int(re.findall(r"VmHWM:\s*(\d+) kB", status.read_text("ascii"))[0])
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
-
-
 def print_measured() -> None:
     """Measure in this process, and print the result as JSON."""
     field = made_field()
@@ -86,5 +74,5 @@ def print_measured() -> None:
     with threadpool_limits(1):
         identified = seconds(lambda: identify(field, WRENCHES, REFERENCE), 3)
         summed = seconds(u.sum)
-    peak = _peak_bytes()
+    peak = peak_bytes()
     print(json.dumps(asdict(Measured(field.node_count, identified, u.nbytes, summed, peak))))

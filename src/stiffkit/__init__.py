@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from stiffkit.errors import StiffkitError
-    from stiffkit.fea import CadLink, link_from_cad
+    from stiffkit.fea import CadLink, PythonPart, link_from_cad
     from stiffkit.identify import IdentifiedLink, identify_link
     from stiffkit.robot import Robot, list_robots, load_robot
     from stiffkit.study import (
@@ -34,6 +34,7 @@ __version__ = "0.1.0"
 _HOMES = {
     "StiffkitError": "stiffkit.errors",
     "CadLink": "stiffkit.fea",
+    "PythonPart": "stiffkit.fea",
     "link_from_cad": "stiffkit.fea",
     "IdentifiedLink": "stiffkit.identify",
     "identify_link": "stiffkit.identify",
@@ -55,6 +56,7 @@ __all__ = [
     "IdentifiedLink",
     "ModesResult",
     "PoseResult",
+    "PythonPart",
     "Robot",
     "StiffkitError",
     "Summary",

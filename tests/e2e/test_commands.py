@@ -13,12 +13,13 @@ import numpy as np
 import pytest
 
 import stiffkit
+from stiffkit.robot import describe_robots
 
 from .commandline import STIFFKIT, output_of, run
 
 COMMANDS = (
     *("robots", "check", "pose", "modes", "map"),
-    *("identify", "advise", "reproduce", "schema", "completion"),
+    *("identify", "advise", "parts", "reproduce", "schema", "completion"),
 )
 
 
@@ -65,7 +66,7 @@ class TestRobots:
         )
 
 
-@pytest.mark.parametrize("robot", stiffkit.list_robots())
+@pytest.mark.parametrize("robot", [robot.name for robot in describe_robots() if not robot.from_cad])
 def test_check_tells_the_structure(robot: str, tmp_path: Path) -> None:
     shown = output_of("check", robot, cwd=tmp_path)
     facts = dict(line.split("  ", 1) for line in shown.splitlines() if "  " in line)
@@ -294,7 +295,7 @@ class TestCompletion:
         ("words", "expected"),
         [
             ("stiffkit ma", {"map"}),
-            ("stiffkit check big", {"biglide", "biglide-elastic-tool"}),
+            ("stiffkit check big", {"biglide", "biglide-cad", "biglide-elastic-tool"}),
             ("stiffkit pose biglide --mod", {"--model"}),
             ("stiffkit pose biglide --model s", {"simplified"}),
         ],

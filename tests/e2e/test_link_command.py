@@ -103,7 +103,7 @@ def test_the_link_is_that_of_a_beam(here: Path, shown: str) -> None:
         link.compliance / np.outer(scale, scale), expected / np.outer(scale, scale), atol=0.01
     )
     assert link.mass == pytest.approx(0.0785, rel=1e-6)
-    np.testing.assert_allclose(link.T_link_tip.position, [0.1, 0.0, 0.0], atol=1e-9)
+    np.testing.assert_allclose(link.ports["tip"].position, [0.1, 0.0, 0.0], atol=1e-9)
     assert link.superelement is not None
     # Both ends held, Euler and Bernoulli: a little above, for shear lets it yield.
     first = np.sqrt(link.superelement.mode_stiffness[0]) / (2.0 * np.pi)

@@ -85,3 +85,15 @@ def impossible_fillet() -> Any:
 
     box = Box((0, 0, 0), (10, 10, 10))
     return box.MakeFillet(box.edges, 50)
+
+
+def split_bar() -> Any:
+    """A bar of two halves along x, with names for its ends and for the face in its middle."""
+    from netgen.occ import Box, Glue
+
+    bar = Glue([Box((0, 0, 0), (50, 10, 10)), Box((50, 0, 0), (100, 10, 10))])
+    for face in bar.faces:
+        for x, name in ((0.0, "base"), (50.0, "middle"), (100.0, "tip")):
+            if abs(face.center.x - x) < 1e-6:
+                face.name = name
+    return bar

@@ -28,6 +28,7 @@ FLOORS = {
     "stiffness": 8,
     "vibration": 8,
     "study": 9,
+    "verify": 10,
     "design": 10,
     "plots": 11,
     "report": 12,

@@ -15,16 +15,15 @@ from fea_parts import STEEL, ends, mesh, part  # type: ignore[import-not-found]
 
 from stiffkit.errors import CadError, LinkError
 from stiffkit.fea import (
-    AdaptSettings,
     FacePick,
     Interface,
     Orthotropic,
     PortModel,
     SolveSettings,
-    adapt,
     find_ports,
     reduce_part,
 )
+from stiffkit.fea.adapt import AdaptSettings, adapt
 from stiffkit.fea.elasticity import Elasticity
 from stiffkit.fea.memory import direct_bytes
 from stiffkit.link import Material
@@ -126,7 +125,7 @@ def test_link_axes_run_from_base_to_tip() -> None:
     model = short_beam("clamped", "average")
     frame = model.link_frame()
     np.testing.assert_allclose(frame.rotation, np.eye(3), atol=1e-9)
-    link = model.to_link(3)
+    link = model.to_link(3, frame.rotation)
     np.testing.assert_allclose(link.compliance, model.compliance)
     assert link.mass.shape == (15, 15)
     back = reduce_part(
@@ -229,10 +228,12 @@ def test_the_adaptive_loop_ends_below_its_tolerance_or_says_why() -> None:
     whole = part("beam", length=50.0)
     settings = AdaptSettings(tolerance=0.02, solve=ORDER_2)
     seen: list[int] = []
-    result = adapt(whole, ends(whole), [STEEL], settings, progress=lambda x: seen.append(x.order))
+    result = adapt(
+        whole, ends(whole), [STEEL], settings, progress=lambda x: seen.append(x.n_unknowns)
+    )
     assert result.converged
     assert result.estimate <= 0.02
-    assert seen == [level.order for level in result.history]
+    assert seen == [level.n_unknowns for level in result.history]
     few = adapt(whole, ends(whole), [STEEL], replace(settings, tolerance=1e-9, max_unknowns=3000))
     assert not few.converged
     assert "3000 unknowns" in few.stopped

@@ -102,7 +102,7 @@ def test_link_file_holds_all(here: Path) -> None:
     assert read.title == "Cantilever"
     np.testing.assert_array_equal(read.compliance, link.compliance)
     np.testing.assert_array_equal(read.compliance, read.compliance.T)
-    np.testing.assert_allclose(read.T_link_tip.position, TIP)
+    np.testing.assert_allclose(read.ports["tip"].position, TIP)
     assert read.covariance is not None
     np.testing.assert_allclose(np.sqrt(np.diag(read.covariance)).reshape(6, 6), link.standard_error)
     told = read.provenance

@@ -11,6 +11,7 @@ import pytest
 from stiffkit.errors import FileError
 from stiffkit.fea import Orthotropic, cache, cad_link, read_link_spec
 from stiffkit.fea.link_spec import SCHEMA_FILE, LinkSpec
+from stiffkit.fea.sources import CadFile
 from stiffkit.link import Material
 from stiffkit.robot.loader import SCHEMA_FILE as ROBOT_SCHEMA_FILE
 
@@ -40,24 +41,63 @@ def spec_of(place: Path, text: str = SPEC) -> LinkSpec:
 
 def test_a_specification_is_read_in_si(place: Path) -> None:
     spec = spec_of(place)
-    assert (spec.name, spec.title, spec.cad) == ("foot", "Foot", place / "foot.step")
+    assert (spec.name, spec.title, spec.cad) == ("foot", "Foot", CadFile(place / "foot.step"))
     assert isinstance(spec.material, Material)
     assert spec.material.E == 70e9
     assert spec.base.picks[0].near == ((0.0, 0.005, 0.005),)
     assert (spec.base.kind, spec.base.point, spec.base.axes) == ("clamped", None, None)
-    assert (spec.tip.picks[0].names, spec.tip.picks[0].count) == (("flange",), 1)
-    assert spec.tip.point == (0.1, 0.0, 0.0)
-    assert spec.tip.axes is not None
-    np.testing.assert_allclose(spec.tip.axes[:, 0], [0.0, 1.0, 0.0], atol=1e-15)
+    (_, (name, tip)) = spec.ports
+    assert (name, tip.picks[0].names, tip.picks[0].count) == ("tip", ("flange",), 1)
+    assert tip.point == (0.1, 0.0, 0.0)
+    assert tip.axes is not None
+    np.testing.assert_allclose(tip.axes[:, 0], [0.0, 1.0, 0.0], atol=1e-15)
     assert spec.tolerance == pytest.approx(2e-3)
     assert (spec.n_modes, spec.mesh, spec.scale) == (6, None, None)
 
 
 def test_faces_may_be_several_descriptions_with_counts(place: Path) -> None:
     faces = "[{kind: cylinder, count: 4}, {name: 'boss*', count: any}, {number: 7}]"
-    spec = spec_of(place, SPEC.replace("{name: flange}", faces))
-    assert [pick.count for pick in spec.tip.picks] == [4, None, 1]
-    assert spec.tip.picks[2].indices == (7,)
+    picks = spec_of(place, SPEC.replace("{name: flange}", faces)).ports[1][1].picks
+    assert [pick.count for pick in picks] == [4, None, 1]
+    assert picks[2].indices == (7,)
+
+
+TIP = SPEC.splitlines()[4] + "\n"
+PORTS = """\
+ports:
+  left: {faces: {name: left}, interface: average}
+  right: {faces: {name: right}, interface: rigid, at: [0, 50 mm, 0]}
+"""
+
+
+def test_ports_stand_in_the_place_of_the_tip(place: Path) -> None:
+    spec = spec_of(place, SPEC.replace(TIP, PORTS))
+    assert [name for name, _ in spec.ports] == ["base", "left", "right"]
+    assert spec.ports[0][1] is spec.base
+    assert [port.kind for _, port in spec.ports] == ["clamped", "average", "rigid"]
+    assert spec.ports[2][1].point == (0.0, 0.05, 0.0)
+    swapped = PORTS.splitlines(keepends=True)
+    swapped[1:] = swapped[:0:-1]
+    other = spec_of(place, SPEC.replace(TIP, "".join(swapped)))
+    assert [name for name, _ in other.ports] == ["base", "right", "left"]
+    assert key_of(spec) != key_of(other)
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "told"),
+    [
+        (SPEC + PORTS, "", "'tip' and 'ports' are both given"),
+        (SPEC.replace(TIP, ""), "", "neither 'tip' nor 'ports' is given"),
+        (SPEC.replace(TIP, PORTS.replace("left:", "base:")), "ports.base", "which is held"),
+        (SPEC.replace(TIP, PORTS.replace("right:", "left:")), "ports", "a second time"),
+        (SPEC.replace(TIP, PORTS.replace("left:", "le.ft:")), "ports", "not allowed here"),
+        (SPEC.replace(TIP, "ports: {}\n"), "ports", "nothing is given"),
+    ],
+)
+def test_ports_that_cannot_be(place: Path, text: str, key: str, told: str) -> None:
+    with pytest.raises(FileError, match=told) as caught:
+        spec_of(place, text)
+    assert caught.value.key.startswith(key)
 
 
 def test_an_orthotropic_material_is_read(place: Path) -> None:
@@ -100,10 +140,19 @@ def test_what_is_wrong_is_told_at_its_key(
 def test_robot_files_describe_parts_alike() -> None:
     own = json.loads(SCHEMA_FILE.read_text("utf-8"))
     robot = json.loads(ROBOT_SCHEMA_FILE.read_text("utf-8"))["$defs"]
-    for name in ("cad_material", "interface", "faces", "face", "mesh"):
+    for name in (
+        "cad_material",
+        "interface",
+        "faces",
+        "face",
+        "mesh",
+        "beam_chain",
+        "beam_piece",
+        "section",
+    ):
         assert robot[name] == own["$defs"][name], name
     inline = dict(robot["cad"]["properties"])
-    assert inline.pop("file")
+    assert all(inline.pop(key) for key in ("file", "part", "dimensions"))
     assert inline == {k: v for k, v in own["properties"].items() if k not in ("link", "cad")}
 
 

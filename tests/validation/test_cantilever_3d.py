@@ -17,7 +17,6 @@ import pytest
 pytest.importorskip("netgen.occ")
 
 from stiffkit.fea import (
-    AdaptSettings,
     FacePick,
     Interface,
     MeshSettings,
@@ -25,12 +24,12 @@ from stiffkit.fea import (
     PartMesh,
     Port,
     SolveSettings,
-    adapt,
     build_part,
     find_ports,
     mesh_part,
     reduce_part,
 )
+from stiffkit.fea.adapt import AdaptSettings, adapt
 from stiffkit.fea.estimate import relative_difference
 from stiffkit.link import Material
 from stiffkit.spatial.rotation import Array

@@ -21,6 +21,8 @@ import pytest
 from numpy.typing import NDArray
 
 from stiffkit.kinematics import Status
+from stiffkit.link import Material, Section, box, rectangle, round_bar
+from stiffkit.link.beam_chain import BeamPiece, chain_compliance, chain_end
 from stiffkit.robot import Robot, load_robot
 from stiffkit.stiffness import full_matrices
 from stiffkit.study import Analysis, analyse_pose
@@ -171,6 +173,70 @@ def test_lump_models_of_table_8(
     assert k is not None
     assert np.diag(k)[:3] / 1e-3 / 1e-4 == pytest.approx([k_tran] * 3, abs=0.0051)
     assert np.diag(k)[3:] / 1e3 / 1e-7 == pytest.approx([k_rot] * 3, abs=off)
+
+
+ALLOY = Material("light alloy", E=70e9, nu=0.346, density=2700.0)
+
+
+def chains() -> dict[str, list[BeamPiece]]:
+    """Foot, half axle and bar of the robot orthoglide-multi-beam, from the numbers of our parts."""
+    root, flare = 10e-3 * np.sqrt(2), 5e-3 * np.sqrt(2)
+    wider = 2 * (1 - np.pi / 4) * 5e-3
+    # A fork's two cheeks, 22 x 6 mm, 34 mm from middle to middle.
+    area, Iz = 2 * 22e-3 * 6e-3, 2 * 6e-3 * 22e-3**3 / 12
+    Iy = 2 * 22e-3 * 6e-3**3 / 12 + area * 17e-3**2
+    fork = BeamPiece(30e-3, Section(area, Iy, Iz, torsion=Iy + Iz))
+    return {
+        "foot": [
+            BeamPiece(root, rectangle(50e-3, 90e-3 / np.sqrt(2))),
+            BeamPiece(flare, rectangle(16e-3 + wider, 26e-3 + wider)),
+            BeamPiece(138e-3 - root - flare, rectangle(16e-3, 26e-3)),
+            BeamPiece(12e-3, rectangle(24e-3, 34e-3)),
+        ],
+        "axle": [BeamPiece(12e-3, round_bar(18e-3)), BeamPiece(38e-3, round_bar(26e-3))],
+        "bar": [fork, BeamPiece(250e-3, box(16.4e-3, 10e-3, 2.85e-3)), fork],
+    }
+
+
+def of_chain(pieces: list[BeamPiece]) -> Array:
+    return chain_compliance(pieces, ALLOY, chain_end(pieces).position)
+
+
+@pytest.mark.parametrize("place", [-0.0735, 0.0, 0.1265])
+def test_several_beams_are_their_chain_as_one_link(place: float) -> None:
+    robot = load_robot("orthoglide")
+    links = dict(robot.links)
+    for part, pieces in chains().items():
+        for name, link in links.items():
+            if name.startswith(KINDS[part]):
+                links[name] = replace(link, compliance=of_chain(pieces))
+    at = dict.fromkeys("xyz", place)
+    expected = analyse_pose(replace(robot, links=links), at).compliance
+    found = analyse_pose(load_robot("orthoglide-multi-beam"), at).compliance
+    assert expected is not None
+    assert found is not None
+    scale = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
+    assert np.abs((found - expected) / scale).max() < 1e-9
+
+
+def test_several_beams_beside_single_ones_at_the_isotropic_posture() -> None:
+    k_tran, k_rot = {}, {}
+    for name in ("orthoglide", "orthoglide-multi-beam", "orthoglide-table-7"):
+        k = analyse_pose(load_robot(name)).compliance
+        assert k is not None
+        assert np.linalg.eigvalsh(k).min() > 0.0
+        np.testing.assert_allclose(np.diag(k)[:3], k[0, 0], rtol=1e-9)
+        np.testing.assert_allclose(np.diag(k)[3:], k[3, 3], rtol=1e-9)
+        k_tran[name], k_rot[name] = k[0, 0], k[3, 3]
+    # Drive, foot at 45 degrees, two bars, and two halves of each axle.
+    foot, axle, bar = (of_chain(chains()[part]) for part in ("foot", "axle", "bar"))
+    along = np.array([np.sqrt(0.5), 0, -np.sqrt(0.5)])
+    by_hand = 1e-8 + along @ foot[:3, :3] @ along + bar[0, 0] / 2 + axle[2, 2]
+    assert k_tran["orthoglide-multi-beam"] == pytest.approx(by_hand, rel=1e-9)
+    # The plate shortens the arm: stiffer along the drives. The journals are thinner than the
+    # shafts: softer in turning.
+    assert 0.8 < k_tran["orthoglide-multi-beam"] / k_tran["orthoglide"] < 1.0
+    assert 1.0 < k_rot["orthoglide-multi-beam"] / k_rot["orthoglide"] < 1.2
 
 
 def test_isotropic_translation_by_hand() -> None:

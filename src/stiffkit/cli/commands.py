@@ -17,7 +17,9 @@ from stiffkit import __version__
 from stiffkit.cli.arguments import RobotArgument, assignments, json_option, load_cases, tool_pose
 from stiffkit.cli.identifying import advise, identify
 from stiffkit.cli.linking import link
+from stiffkit.cli.parts import parts
 from stiffkit.cli.reproducing import reproduce
+from stiffkit.cli.verifying import verify
 from stiffkit.errors import PoseError
 
 if TYPE_CHECKING:
@@ -66,7 +68,9 @@ def main() -> None:
 main.add_command(identify)
 main.add_command(advise)
 main.add_command(link)
+main.add_command(parts)
 main.add_command(reproduce)
+main.add_command(verify)
 
 
 @main.command()
@@ -75,12 +79,12 @@ def robots() -> None:
 
     Example:  stiffkit robots
     """
-    from stiffkit.robot import list_robots, load_robot
+    from stiffkit.robot import describe_robots
 
-    names = list_robots()
-    width = max(len(name) for name in names)
-    for name in names:
-        click.echo(f"{name:<{width}}  {load_robot(name).title}")
+    found = describe_robots()
+    width = max(len(robot.name) for robot in found)
+    for robot in found:
+        click.echo(f"{robot.name:<{width}}  {robot.title}")
 
 
 @main.command()

@@ -40,7 +40,8 @@ def link(source: Path, faces: bool, output: Path | None, as_json: bool) -> None:
     if faces:
         _list_faces(source, output, as_json)
         return
-    from stiffkit.fea.link_spec import CAD_SUFFIXES, read_link_spec
+    from stiffkit.fea.link_spec import read_link_spec
+    from stiffkit.fea.sources import CAD_SUFFIXES
 
     if source.suffix.lower() in CAD_SUFFIXES:
         raise CadError(
@@ -99,8 +100,10 @@ def _list_faces(source: Path, output: Path | None, as_json: bool) -> None:
 def _part(source: Path) -> Part:
     """Return the part that a path or a specification names."""
     from stiffkit.fea import read_step
-    from stiffkit.fea.link_spec import CAD_SUFFIXES, read_link_spec
-    from stiffkit.fea.solve import check_installed, read_part
+    from stiffkit.fea.child import check_installed
+    from stiffkit.fea.link_spec import read_link_spec
+    from stiffkit.fea.prepared import read_part
+    from stiffkit.fea.sources import CAD_SUFFIXES
 
     check_installed()
     if source.suffix.lower() not in CAD_SUFFIXES:

@@ -94,6 +94,11 @@ def show_modes(result: ModesResult) -> None:
         click.echo(click.style("note: ", fg="yellow", bold=True) + note)
 
 
+def tool_in_words(tool: NDArray[np.float64]) -> str:
+    """Return a tool pose (6,), m and rad, in mm and degrees."""
+    return _values(DIRECTIONS, tool, "mm", "deg")
+
+
 _FACTOR = {"mm": 1e3, "deg": 180.0 / np.pi}
 
 

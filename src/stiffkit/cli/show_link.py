@@ -9,6 +9,7 @@ import click
 import numpy as np
 
 from stiffkit.cli.show import heading
+from stiffkit.link.ports import BASE, in_words
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -95,24 +96,34 @@ def show_link(link: CadLink) -> None:
     for name, law in facts["materials"].items():
         _fact("material", f"{law['name']} ({name})")
     _fact("mass", f"{solved.mass:.6g} kg, centre {_vector(1e3 * solved.center_of_mass, 6)} mm")
-    _fact("tip", f"{_vector(1e3 * solved.T_link_tip.position, 6)} mm in link axes")
-    heading("compliance (m/N, 1/N; 1/N, rad/(N m)) of the tip with the base held, link axes")
-    for row in link.compliance:
-        click.echo("  " + "".join(f"{x + 0.0:>14.4e}" for x in row))
+    for name, frame in solved.ports.items():
+        _fact(name, f"{_vector(1e3 * frame.position, 6)} mm in link axes")
+    for at, name in enumerate(solved.ports):
+        heading(f"compliance (m/N, 1/N; 1/N, rad/(N m)) of {name} with the base held, link axes")
+        own = slice(6 * at, 6 * at + 6)
+        for row in link.compliance[own, own]:
+            click.echo("  " + "".join(f"{x + 0.0:>14.4e}" for x in row))
+    if len(solved.ports) > 1:
+        click.echo("  each port under loads at itself; the link file holds the whole matrix")
     click.echo(f"  estimated error, over all loads: {_percent(solved.estimate)}")
+    for name, one in facts["readings"].items():
+        load, left = max(one["loads"].items(), key=lambda item: float(item[1]["share"]))
+        told = "as one rigid body" if one["rigid"] else f"rigidly but for {_percent(left['share'])}"
+        click.echo(f"  the faces of {name} move {told}" + ("" if one["rigid"] else f" ({load})"))
+    _show_beams(link)
     if solved.element.mode_stiffness.size:
         hertz = np.sqrt(solved.element.mode_stiffness) / (2.0 * np.pi)
         shown = ", ".join(f"{f:.5g}" for f in hertz)
-        heading("natural frequencies with base and tip held, Hz")
+        heading(f"natural frequencies with {in_words([BASE, *solved.ports])} held, Hz")
         click.echo(fill(shown, WIDTH, initial_indent="  ", subsequent_indent="  "))
     heading("solutions")
     click.echo(
-        f"  {'mesh':>4}{'order':>7}{'elements':>10}{'unknowns':>10}{'seconds':>9}"
+        f"  {'mesh':>4}{'order':>8}{'elements':>10}{'unknowns':>10}{'seconds':>9}"
         f"{'estimate':>11}{'from last':>11}"
     )
     for step in solved.steps:
         click.echo(
-            f"  {step.mesh:>4}{step.order:>7}{step.elements:>10}{step.unknowns:>10}"
+            f"  {step.mesh:>4}{step.orders:>8}{step.elements:>10}{step.unknowns:>10}"
             f"{step.seconds:>9.1f}{_percent(step.estimate):>11}{_percent(step.change):>11}"
         )
     if link.from_cache:
@@ -120,6 +131,26 @@ def show_link(link: CadLink) -> None:
     for note in link.notes:
         told = fill(f"note: {note}", WIDTH, subsequent_indent="  ")
         click.echo(click.style("note: ", fg="yellow", bold=True) + told.removeprefix("note: "))
+
+
+def _show_beams(link: CadLink) -> None:
+    """Print the diagonals of approximations by beams beside that of the solution."""
+    if not link.beams:
+        return
+    heading("diagonal of the compliance (mm/N; rad/(N mm)), and of beams over it")
+    millimetres = np.repeat([1e3, 1e-3], 3)
+    rows = [("finite elements", millimetres * np.diag(link.compliance), "{:.3e}")]
+    for one in link.beams:
+        rows.append((one.name, millimetres * np.diag(one.compliance), "{:.3e}"))
+        rows.append(("  ratio", one.ratios(link.compliance), "{:.3f}"))
+    width = max(len(name) for name, _, _ in rows)
+    names = "".join(f"{f'k{i}{i}':>12}" for i in range(1, 7))
+    click.echo(f"  {'':<{width}}{names}")
+    for name, values, form in rows:
+        click.echo(f"  {name:<{width}}" + "".join(f"{form.format(x):>12}" for x in values))
+    for one in link.beams:
+        if one.has_gap:
+            click.echo(f"  {one.name} ends {1e3 * one.gap:.3g} mm from the tip, a rigid way")
 
 
 def _percent(share: float | None) -> str:

@@ -1,4 +1,4 @@
-"""The adaptive loop: order and mesh are refined until the compliance stands still."""
+"""The adaptive loop: orders and mesh are refined until the compliance stands still."""
 
 from __future__ import annotations
 
@@ -7,11 +7,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from stiffkit.errors import CadError
+from stiffkit.fea.child import TIMEOUT
 from stiffkit.fea.elasticity import SolveSettings
 from stiffkit.fea.estimate import (
-    Convergence,
     convergence,
     geometry_error,
     relative_difference,
@@ -22,37 +23,43 @@ from stiffkit.fea.geometry import Part
 from stiffkit.fea.interfaces import Port
 from stiffkit.fea.material import Law
 from stiffkit.fea.mesh import MeshSettings, PartMesh, coarse_settings, mesh_part
+from stiffkit.fea.orders import Gains, Orders
 from stiffkit.fea.superelement import PortModel, reduce_part
 from stiffkit.fea.tets import volumes
 from stiffkit.spatial.rotation import Array
 
-ORDERS = (2, 6)
-"""The first and the highest order that are tried on a mesh."""
+FIRST_ORDER = 2
+"""Of all elements of the first mesh."""
 
-RAISED = 4
-"""The order up to which raising it is the better way to spend unknowns than a finer mesh.
+CHEAP = 80_000
+"""Unknowns up to which orders are raised without asking whether that will do."""
 
-Measured on real parts of a few thousand elements: their error is spread over thin walls, and order
-4 on the coarsest mesh beats order 3 on one with seven times the elements.
-"""
+AFFORDABLE = 300_000
+"""Unknowns that are worth spending on a mesh before one with smaller elements is tried."""
 
-CHEAP = 60_000
-"""Unknowns up to which a still higher order is tried without asking whether it will do."""
+LAST = 600_000
+"""Those that are worth spending where the next solution is likely to be the last."""
+
+GROWTH = (1.3, 2.0)
+"""How many times as many elements the next mesh may have, at least and at most."""
+
+_FEWEST = 3
+"""Solutions that a mesh gets, if they are affordable, before it is judged."""
+
+_ANSWER = 0.1
+"""An estimate that makes a first answer: up to it, the mesh is not made again for its shape."""
+
+_SURELY = 0.7
+"""The share of the tolerance that is aimed at."""
+
+_STUCK = 0.5
+"""The share that elements of the highest order may have before they are made smaller."""
+
+_SMALLER = 0.7
+"""Elements this much smaller than those that they replace begin with a lower order."""
 
 _MOST = 4.0
 """How much more than is wanted the mesher is asked for, at most, where it makes too little."""
-
-_SURELY = 0.7
-"""A solve that costs must promise to end below this share of the tolerance."""
-
-_SAFELY = 0.5
-"""And one that costs much, below this."""
-
-GROWTH = (2.0, 3.0)
-"""How many times as many elements the next mesh may have, at least and at most."""
-
-AFFORDABLE = 450_000
-"""Unknowns beyond which a solve must be likely to be the last that is needed."""
 
 
 @dataclass(frozen=True)
@@ -76,21 +83,22 @@ class Level:
 
     mesh: int
     """Which mesh, from 0."""
-    order: int
+    orders: tuple[int, int]
+    """The lowest and the highest of the elements."""
     n_tets: int
     n_unknowns: int
     seconds: float
     """s since the loop began."""
-    solve_seconds: float
-    """s that assembly and solve took."""
     compliance: Array
     """(6(m-1), 6(m-1)), of the ports but the held one."""
     estimate: float
     """Relative error of the compliance over all wrenches; inf for the first solution."""
     geometry: float
     """The part of the estimate that is the mesh's shape."""
-    trend: Convergence
-    """How the solutions on this mesh converge."""
+    stuck: float
+    """The part that is left in elements of the highest order."""
+    ratio: float
+    """Of the errors of successive solutions, as estimated."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,11 +130,11 @@ def adapt(
 ) -> Adapted:
     """Refine until the estimated error of the compliance is below the tolerance.
 
-    On each mesh the order rises as long as that promises to do; then the elements that hold most
-    of the error, which is that of the energy for all wrenches together, are made smaller and the
-    whole is meshed anew. ``progress`` is called after each solution. If time, unknowns or memory
-    run out, the best solution so far is returned with its estimate. Raises `CadError` if there is
-    none.
+    On each mesh the order is raised in the elements where that is to gain most, which is the
+    energy of the difference for all wrenches together, as long as it promises to do; then the
+    elements that hold most of what is left are made smaller and the whole is meshed anew.
+    ``progress`` is called after each solution. If time, unknowns or memory run out, the best
+    solution so far is returned with its estimate. Raises `CadError` if there is none.
     """
     return _Loop(part, ports, laws, settings or AdaptSettings(), held, progress).run()
 
@@ -146,6 +154,11 @@ class _Loop:
         self.start = time.perf_counter()
         self.history: list[Level] = []
         self.best: tuple[PortModel, PartMesh] | None = None
+        self.chain: list[Array] = []
+        """Compliances of successive approximations."""
+        self.orders: Orders = np.ones(1, dtype=np.intp)
+        self.last: tuple[PartMesh, Gains] | None = None
+        """The last mesh, and what its orders gained."""
         self.asked: tuple[int, float] | None = None
         """How many elements the last mesh but one had, and how many times as many were wanted."""
         self.distrust = 1.0
@@ -156,8 +169,8 @@ class _Loop:
         stopped = ""
         for number in range(100):
             try:
-                mesh = mesh_part(self.part, wanted)
-                models, stopped = self._raise_order(mesh, number)
+                mesh = mesh_part(self.part, wanted, timeout=self._time_to_mesh())
+                gains, stopped = self._raise_orders(mesh, number)
             except CadError as error:
                 if self.best is None:
                     raise
@@ -165,7 +178,8 @@ class _Loop:
                 break
             if stopped or self._is_done():
                 break
-            wanted = self._finer(mesh, models)
+            wanted = self._finer(mesh, gains)
+            self.last = (mesh, gains)
         if self.best is None:
             raise CadError("no solution was found within the limits", mend="allow more")
         model, mesh = self.best
@@ -175,85 +189,116 @@ class _Loop:
             model = reduce_part(mesh, self.ports, self.laws, settings, self.held)
         return Adapted(model, mesh, tuple(self.history), self._is_done(), stopped)
 
+    def _time_to_mesh(self) -> float:
+        """Return the s that a mesh may take: the first as many as it needs."""
+        if self.best is None:
+            return TIMEOUT
+        return max(1.0, self.settings.max_seconds - (time.perf_counter() - self.start))
+
     def _is_done(self) -> bool:
         return self.history[-1].estimate <= self.settings.tolerance
 
-    def _raise_order(self, mesh: PartMesh, number: int) -> tuple[list[PortModel], str]:
-        """Solve with rising order on a mesh; return the last two solutions and why it must end."""
-        first, highest = ORDERS
-        models: list[PortModel] = []
-        levels: list[Level] = []
-        for order in range(first, highest + 1):
-            reason = self._limit(levels, order) if self.history else ""
-            if reason:
-                return models, reason
-            if self.best is not None:
-                self.best[0].solver.body.release()
-            begin = time.perf_counter()
-            solve = replace(self.settings.solve, order=order)
-            model = reduce_part(mesh, self.ports, self.laws, solve, self.held)
-            models = [*models[-1:], model]
-            levels.append(self._level(mesh, number, model, levels, order, begin))
-            self.history.append(levels[-1])
-            self.best = (model, mesh)
-            if self.progress is not None:
-                self.progress(levels[-1])
-            if self._is_done() or not self._another_order_pays(levels):
+    def _raise_orders(self, mesh: PartMesh, number: int) -> tuple[Gains, str]:
+        """Solve with rising orders on a mesh; return their gains and why it must end, if so."""
+        model, gains = self._begin(mesh, number)
+        stopped = ""
+        while not (self._is_done() or stopped):
+            orders = gains.raised()
+            if np.array_equal(orders, gains.orders) or not self._another_pays(gains):
                 break
+            stopped = self._limit(mesh, orders)
+            if not stopped:
+                before, model = model, self._solve(mesh, orders)
+                gains.learn(orders, _energies(before, model))
+                self._record(number, gains)
         self._learn(number)
-        return models, ""
+        return gains, stopped
 
-    def _level(
-        self,
-        mesh: PartMesh,
-        number: int,
-        model: PortModel,
-        before: Sequence[Level],
-        order: int,
-        begin: float,
-    ) -> Level:
-        k = model.compliance
-        same = [*((level.n_unknowns, level.compliance) for level in before), (model.n_unknowns, k)]
-        trend = convergence([n for n, _ in same], [c for _, c in same])
+    def _begin(self, mesh: PartMesh, number: int) -> tuple[PortModel, Gains]:
+        """Solve on a new mesh with the orders that the last one ended with, at the same places."""
+        if self.last is None:
+            orders = np.full(len(mesh.tets), FIRST_ORDER, dtype=np.intp)
+            before = self._solve(mesh, orders - 1)
+            self._record(number)
+            model = self._solve(mesh, orders)
+            gains = Gains(orders, _energies(before, model))
+        else:
+            old, gains = self.last
+            _, there = cKDTree(_centres(old)).query(_centres(mesh))
+            shrink = np.minimum(1.0, _sizes(mesh) / _sizes(old)[there])
+            orders = np.maximum(gains.orders[there] - (shrink < _SMALLER), FIRST_ORDER)
+            gains = gains.moved(orders, there, shrink)
+            if self._is_shape_bad():
+                # The next solution is no better approximation of the same, but of another shape.
+                self.chain.pop()
+            if reason := self._limit(mesh, orders):
+                raise CadError(reason, mend="allow more time or unknowns, or a larger error")
+            model = self._solve(mesh, orders)
+        self._record(number)
+        return model, gains
+
+    def _solve(self, mesh: PartMesh, orders: Orders) -> PortModel:
+        if self.best is not None:
+            self.best[0].solver.body.release()
+        solve = replace(self.settings.solve, order=int(orders.max()), orders=orders)
+        model = reduce_part(mesh, self.ports, self.laws, solve, self.held)
+        self.best = (model, mesh)
+        self.orders = orders
+        return model
+
+    def _record(self, number: int, gains: Gains | None = None) -> None:
+        """Add the last solution, and what it gained where that is known, to the history."""
+        if self.best is None:
+            return
+        model, mesh = self.best
+        self.chain.append(model.compliance)
+        trend = convergence(self.chain)
         shape = geometry_error(mesh.check.volume_error, mesh.check.area_error)
-        now = time.perf_counter()
-        return Level(
+        waiting = gains.waiting() * trend.change if gains else 0.0
+        level = Level(
             mesh=number,
-            order=order,
+            orders=(int(self.orders.min()), int(self.orders.max())),
             n_tets=mesh.check.n_tets,
             n_unknowns=model.n_unknowns,
-            seconds=now - self.start,
-            solve_seconds=now - begin,
-            compliance=k,
-            estimate=self.distrust * trend.error + shape,
+            seconds=time.perf_counter() - self.start,
+            compliance=model.compliance,
+            estimate=self.distrust * (trend.error + waiting) + shape,
+            stuck=self.distrust * gains.stuck() * trend.change if gains else 0.0,
             geometry=shape,
-            trend=trend,
+            ratio=trend.ratio,
         )
+        self.history.append(level)
+        if self.progress is not None:
+            self.progress(level)
 
-    def _another_order_pays(self, levels: Sequence[Level]) -> bool:
-        """Say whether another order is cheap, or likely to be the last that is needed."""
-        if len(levels) < 2:
-            return True
-        last = levels[-1]
-        growth = ((last.order + 1.0) / last.order) ** 3
+    def _is_shape_bad(self) -> bool:
+        """Say whether it is the mesh's shape that keeps the solution from being right."""
+        last = self.history[-1]
+        return last.geometry > _SURELY * self.settings.tolerance and last.estimate < _ANSWER
+
+    def _another_pays(self, gains: Gains) -> bool:
+        """Say whether higher orders are likely to reach the tolerance at a bearable cost."""
+        last, before = self.history[-1], self.history[-2]
         tolerance = self.settings.tolerance
-        if last.geometry > 0.7 * tolerance:
+        if self._is_shape_bad() or last.stuck > _STUCK * tolerance:
             return False
-        unknowns = growth * last.n_unknowns
-        if unknowns <= (AFFORDABLE if last.order < RAISED else CHEAP):
+        growth = float(np.clip(last.n_unknowns / before.n_unknowns, 1.2, 1.5))
+        tried = sum(level.mesh == last.mesh for level in self.history)
+        if last.n_unknowns * growth <= (AFFORDABLE if tried < _FEWEST else CHEAP):
             return True
-        # Singular edges slow convergence down as the order rises: leave some room.
-        promise = last.geometry + self.distrust * last.trend.predict(growth)
-        return promise <= (_SURELY if unknowns <= AFFORDABLE else _SAFELY) * tolerance
+        room = max(_SURELY * tolerance - last.geometry, 0.1 * tolerance)
+        excess = (last.estimate - last.geometry) / room
+        steps = max(1.0, float(np.log(excess) / -np.log(last.ratio)))
+        if steps <= 1.0 or gains.smooth() > 0.5:
+            return last.n_unknowns * growth <= LAST
+        return bool(last.n_unknowns * growth**steps <= AFFORDABLE)
 
-    def _limit(self, levels: Sequence[Level], order: int) -> str:
-        """Say which limit another solve would break, if any."""
+    def _limit(self, mesh: PartMesh, orders: Orders) -> str:
+        """Say which limit a solve with orders (e,) would break, if any."""
         if time.perf_counter() - self.start > self.settings.max_seconds:
             return f"the time of {self.settings.max_seconds:g} s is used up"
-        if levels:
-            unknowns = levels[-1].n_unknowns * (order / (order - 1.0)) ** 3
-            if unknowns > self.settings.max_unknowns:
-                return f"the next solve would take more than {self.settings.max_unknowns} unknowns"
+        if 3 * int(mesh.topology.space(orders).ndof) > self.settings.max_unknowns:
+            return f"the next solve would take more than {self.settings.max_unknowns} unknowns"
         return ""
 
     def _learn(self, number: int) -> None:
@@ -273,30 +318,41 @@ class _Loop:
         before, growth = self.asked
         return float(np.clip(growth * before / len(mesh.tets), 1.0, _MOST))
 
-    def _finer(self, mesh: PartMesh, models: Sequence[PortModel]) -> MeshSettings:
+    def _finer(self, mesh: PartMesh, gains: Gains) -> MeshSettings:
         """Return settings for a mesh with smaller elements where the error is."""
-        coarse, fine = models
-        W = whitening(fine.solver.compliance_of_loads)
-        energies = fine.solver.body.difference_energies(
-            fine.solver.load_fields @ W, coarse.solver.body, coarse.solver.load_fields @ W
-        )
-        sizes = (6.0 * np.sqrt(2.0) * volumes(mesh.points, mesh.tets)) ** (1.0 / 3.0)
+        sizes = _sizes(mesh)
         last = self.history[-1]
         excess = (last.estimate - last.geometry) / (_SURELY * self.settings.tolerance)
-        growth = float(np.clip(np.sqrt(excess), *GROWTH))
-        finer = wanted_sizes(sizes, energies, growth * self._shortfall(mesh))
+        growth = float(np.clip(1.0 if self._is_shape_bad() else np.sqrt(excess), *GROWTH))
+        finer = wanted_sizes(sizes, gains.left(), growth * self._shortfall(mesh))
         self.asked = (len(sizes), growth)
         marked = finer < 0.95 * sizes
-        points = mesh.points[mesh.tets[marked, :4]].mean(axis=1)
-        wanted = finer[marked]
+        points, wanted = _centres(mesh)[marked], finer[marked]
         old = mesh.settings
         if old.wanted is not None:
             points = np.concatenate([old.wanted[0], points])
             wanted = np.concatenate([old.wanted[1], wanted])
-        bends = 1.4 if last.geometry > 0.4 * self.settings.tolerance else 1.0
+        bends = 1.4 if last.geometry > 0.5 * self.settings.tolerance else 1.0
         return replace(
             old,
             feature=0.5 * old.feature,
             curvature=bends * old.curvature,
             wanted=(points, wanted),
         )
+
+
+def _energies(before: PortModel, model: PortModel) -> Array:
+    """Return the energies (e,), J, of the difference of two solutions on a mesh, all wrenches."""
+    W = whitening(model.solver.compliance_of_loads)
+    return model.solver.body.difference_energies(
+        model.solver.load_fields @ W, before.solver.body, before.solver.load_fields @ W
+    )
+
+
+def _sizes(mesh: PartMesh) -> Array:
+    """Return the sizes (e,), m, of the elements: the edges of regular ones of their volume."""
+    return np.asarray((6.0 * np.sqrt(2.0) * volumes(mesh.points, mesh.tets)) ** (1.0 / 3.0))
+
+
+def _centres(mesh: PartMesh) -> Array:
+    return np.asarray(mesh.points[mesh.tets[:, :4]].mean(axis=1))

@@ -5,23 +5,25 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from stiffkit import __version__
-from stiffkit.errors import FileError
 from stiffkit.fea import cache
+from stiffkit.fea.beams import BeamComparison, compare
 from stiffkit.fea.link_spec import LinkSpec, PortSpec, read_link_spec
 from stiffkit.fea.solve import Progress, describe_law, solve_spec
 from stiffkit.fea.solved import Solved, from_plain, to_plain
+from stiffkit.fea.sources import PartSource
 from stiffkit.files import Row
 from stiffkit.link.file import LinkFile, write_link_file
+from stiffkit.link.ports import places_of
 from stiffkit.spatial.frame import Frame
 from stiffkit.spatial.rotation import Array
 
-_EDITION = 1
+_EDITION = 2
 """Raised when the same specification gives other results, so that older ones are not taken."""
 
 
@@ -42,8 +44,13 @@ class CadLink:
 
     @property
     def compliance(self) -> Array:
-        """(6, 6), of the tip with the base held, at the tip's point."""
+        """(6(m-1), 6(m-1)), of the ports but the base, in order, at their points, base held."""
         return self.solved.element.compliance
+
+    @cached_property
+    def beams(self) -> tuple[BeamComparison, ...]:
+        """What the specification's approximations by beams give, in its order."""
+        return compare(self.spec.beams, places_of(self.solved.ports)[0])
 
     @cached_property
     def link(self) -> LinkFile:
@@ -51,7 +58,7 @@ class CadLink:
         solved = self.solved
         return LinkFile(
             title=self.spec.title,
-            T_link_tip=solved.T_link_tip,
+            ports=solved.ports,
             compliance=self.compliance,
             mass=solved.mass,
             center_of_mass=solved.center_of_mass,
@@ -67,16 +74,26 @@ class CadLink:
         write_link_file(self.link, Path(path))
 
 
-def link_from_cad(spec: LinkSpec | Path | str, progress: Progress | None = None) -> CadLink:
+def link_from_cad(
+    spec: LinkSpec | Path | str,
+    progress: Progress | None = None,
+    *,
+    part: PartSource | None = None,
+) -> CadLink:
     """Return the link that a specification, or the file of one, describes.
+
+    ``part`` takes the place of the one that the file names, such as a `PythonPart` of your own.
 
     What has been solved before is taken from the user's cache. ``progress`` is told what is being
     done and the share that is done. Raises FileError, with its place and how to mend it, where
     the specification or the part is wrong, or no solution can be found.
     """
     report = progress or (lambda _what, _share: None)
-    spec = spec if isinstance(spec, LinkSpec) else read_link_spec(spec)
-    cad_hash = _hash_of(spec)
+    if not isinstance(spec, LinkSpec):
+        spec = read_link_spec(spec, part)
+    elif part is not None:
+        spec = replace(spec, cad=part)
+    cad_hash = spec.cad.digest()
     key = _key(spec, cad_hash)
     solved = _kept(key)
     notes = []
@@ -97,8 +114,7 @@ def as_json(link: CadLink) -> dict[str, Any]:
         "compliance": link.compliance.tolist(),
         "estimated_error": solved.estimate,
         "converged": solved.facts["converged"],
-        "tip": solved.T_link_tip.position.tolist(),
-        "tip_axes": solved.T_link_tip.rotation.T.tolist(),
+        "ports": {name: _frame(T_link_port) for name, T_link_port in solved.ports.items()},
         "mass": solved.mass,
         "center_of_mass": solved.center_of_mass.tolist(),
         "inertia": solved.inertia.tolist(),
@@ -106,17 +122,19 @@ def as_json(link: CadLink) -> dict[str, Any]:
         "link_in_part": _frame(solved.T_part_link),
         "history": [vars(step) for step in solved.steps],
         "part": dict(solved.facts),
-        "cad": {"file": str(link.spec.cad), "sha256": link.cad_hash},
+        "cad": {**link.spec.cad.as_plain(), "sha256": link.cad_hash},
+        "beams": [
+            {
+                "name": one.name,
+                "compliance": one.compliance.tolist(),
+                "ratios": one.ratios(link.compliance).tolist(),
+                "gap": one.gap,
+            }
+            for one in link.beams
+        ],
         "from_cache": link.from_cache,
         "notes": list(link.notes),
     }
-
-
-def _hash_of(spec: LinkSpec) -> str:
-    try:
-        return hashlib.sha256(spec.cad.read_bytes()).hexdigest()
-    except OSError as error:
-        raise FileError(f"cannot be read: {error.strerror or error}", path=spec.cad) from None
 
 
 def _key(spec: LinkSpec, cad_hash: str) -> str:
@@ -125,12 +143,11 @@ def _key(spec: LinkSpec, cad_hash: str) -> str:
         "version": __version__,
         "edition": _EDITION,
         "cad": cad_hash,
-        "kind": spec.cad.suffix.lower(),
+        "kind": spec.cad.kind,
         "scale": spec.scale,
         "material": describe_law(spec.material),
         "solids": {name: describe_law(law) for name, law in sorted(spec.solids.items())},
-        "base": _port(spec.base),
-        "tip": _port(spec.tip),
+        "ports": [[name, _port(port)] for name, port in spec.ports],
         "up": spec.up,
         "tolerance": spec.tolerance,
         "modes": spec.n_modes,
@@ -181,7 +198,7 @@ def _provenance(link: CadLink) -> Mapping[str, Any]:
     if spec.content_hash:
         content["specification"] = {"file": spec.path.name, "sha256": spec.content_hash}
     content["cad"] = {
-        "file": spec.cad.name,
+        **_origin(spec.cad),
         "sha256": link.cad_hash,
         "unit": facts["unit"],
         "scale": 1.0 if spec.scale is None else spec.scale,
@@ -191,6 +208,11 @@ def _provenance(link: CadLink) -> Mapping[str, Any]:
     content["interfaces"] = {
         name: one | {"numbers": Row(one["numbers"]), "at": Row(one["at"])}
         for name, one in facts["interfaces"].items()
+    }
+    # Per 1 N and 1 N m: how far the faces are from moving rigidly, which is no error of the fit.
+    content["residuals"] = {
+        name: Row([load["sigma"] for load in one["loads"].values()])
+        for name, one in facts["readings"].items()
     }
     frame = _frame(link.solved.T_part_link)
     content["link_in_part"] = {
@@ -202,6 +224,11 @@ def _provenance(link: CadLink) -> Mapping[str, Any]:
     if link.notes:
         content["notes"] = list(link.notes)
     return content
+
+
+def _origin(cad: PartSource) -> dict[str, Any]:
+    """Return what a part comes from, without the folders of this machine."""
+    return cad.as_plain() | ({"file": cad.name} if "file" in cad.as_plain() else {})
 
 
 def _frame(T: Frame) -> dict[str, Any]:

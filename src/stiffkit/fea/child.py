@@ -13,6 +13,7 @@ import sys
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,20 @@ MEMORY = 6e9
 """bytes that the child may use when nothing else is said."""
 
 _LOG_LINES = 3
+
+
+def is_installed() -> bool:
+    """Tell whether the library that reads, meshes and solves is there."""
+    return find_spec("netgen") is not None and find_spec("ngsolve") is not None
+
+
+def check_installed() -> None:
+    """Raise CadError if the library that reads, meshes and solves is missing."""
+    if not is_installed():
+        raise CadError(
+            "links from CAD need NGSolve, which is not installed",
+            mend="pip install 'stiffkit[fea]'",
+        )
 
 
 @contextmanager

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from stiffkit.errors import CadError
 from stiffkit.fea import memory
 from stiffkit.fea.material import Law
 from stiffkit.fea.mesh import PartMesh
+from stiffkit.fea.orders import Orders
 from stiffkit.fea.threads import idle_cores, threads
 from stiffkit.fea.work import one_for_each, virtual_work
 from stiffkit.spatial.rotation import Array
@@ -24,6 +25,9 @@ RESIDUAL = 1e-6
 
 _REFINEMENTS = 3
 
+_SMALL = 5000
+"""Nodes below which one thread is as fast as more."""
+
 
 @dataclass(frozen=True)
 class SolveSettings:
@@ -31,6 +35,8 @@ class SolveSettings:
 
     order: int = 3
     """Polynomial order of the displacement."""
+    orders: Orders | None = field(default=None, compare=False, repr=False)
+    """Orders (e,) of the elements, on curved ones, where they differ; ``order`` is the highest."""
     threads: int | None = None
     """As many as cores are idle if None: on busy cores more threads are slower than one."""
     solver: str = "auto"
@@ -65,28 +71,50 @@ class Elasticity:
         self.mesh = mesh
         self.settings = settings
         self._laws = one_for_each(laws, int(mesh.tet_solid.max()) + 1)
-        self._space_mesh = mesh.curved if settings.order > 1 else mesh.straight
+        is_curved = settings.order > 1 or settings.orders is not None
+        self._space_mesh = mesh.curved if is_curved else mesh.straight
         self._held = "|".join(f"f{face}" for face in held_faces)
         self._pin_faces = tuple(pin_faces)
-        self._n_threads = settings.threads or idle_cores()
         # Blocks of 3 x 3 are faster, but single components cannot be held in them, and NGSolve's
         # preconditioners do not know them.
         self._blocked = True
         self.n_nodes = int(self._make_space().ndof)
+        self._n_threads = settings.threads or (1 if self.n_nodes < _SMALL else idle_cores())
         self._iterative = memory.must_iterate(self.n_nodes, settings.solver, settings.memory)
         self._blocked = bool(self._held) and not self._iterative
         self._set_up()
 
-    def _make_space(self) -> Any:
-        from ngsolve import H1, VectorH1
+    def functions(self, *, dim: int = 1, held: str = "") -> Any:
+        """Return NGSolve's space of the functions with ``dim`` components, of these orders."""
+        from ngsolve import H1
 
-        order = self.settings.order
+        if self.settings.orders is None:
+            return H1(self._space_mesh, order=self.settings.order, dim=dim, dirichlet=held)
+        return self.mesh.topology.space(self.settings.orders, dim=dim, held=held)
+
+    def _make_space(self) -> Any:
+        from ngsolve import FESpace
+
         if self._blocked:
-            return H1(self._space_mesh, order=order, dim=3, dirichlet=self._held)
-        return VectorH1(self._space_mesh, order=order, dirichlet=self._held)
+            return self.functions(dim=3, held=self._held)
+        return FESpace([self.functions(held=self._held)] * 3)
+
+    def _vector_of(self, field: Any) -> Any:
+        """Return a test, trial or grid function as a vector."""
+        from ngsolve import CF
+
+        return field if self._blocked else CF(tuple(_components(field)))
+
+    def _gradient(self, field: Any) -> Any:
+        """Return the gradient (3, 3) of a test, trial or grid function."""
+        from ngsolve import CF, Grad, grad
+
+        if self._blocked:
+            return Grad(field)
+        return CF(tuple(grad(component) for component in _components(field)), dims=(3, 3))
 
     def _set_up(self) -> None:
-        from ngsolve import BilinearForm, Grad, Preconditioner, dx
+        from ngsolve import BilinearForm, Preconditioner, dx
 
         space = self._space = self._make_space()
         self._position, self._constant = self._coordinates()
@@ -96,7 +124,8 @@ class Elasticity:
         self._mass: Any = None
         u, v = space.TnT()
         self._form = BilinearForm(space, symmetric=True, condense=False)
-        self._form += virtual_work(self._space_mesh, self._laws, Grad(u), Grad(v)) * dx
+        work = virtual_work(self._space_mesh, self._laws, self._gradient(u), self._gradient(v))
+        self._form += work * dx
         with threads(self._n_threads):
             self._preconditioner = Preconditioner(self._form, "bddc") if self._iterative else None
             self._form.Assemble()
@@ -118,11 +147,8 @@ class Elasticity:
 
     def on_faces(self, faces: Sequence[int]) -> Mask:
         """Return which nodes (n,) lie on faces."""
-        from ngsolve import H1
-
-        region = "|".join(f"f{face}" for face in faces)
-        # H1 numbers its nodes alike, whatever the dimension of its values.
-        space = H1(self._space_mesh, order=self.settings.order, dirichlet=region)
+        # NGSolve numbers the nodes alike, whatever the dimension of the values.
+        space = self.functions(held="|".join(f"f{face}" for face in faces))
         return ~np.array(space.FreeDofs(), dtype=bool)
 
     def face_functionals(self, faces: Sequence[int], point: Array) -> Array:
@@ -135,7 +161,7 @@ class Elasticity:
         region = self._space_mesh.Boundaries("|".join(f"f{face}" for face in faces))
         arm = CF((x, y, z)) - CF(tuple(float(c) for c in point))
         axes = [CF(tuple(map(float, row))) for row in np.eye(3)]
-        v = self._space.TestFunction()
+        v = self._vector_of(self._space.TestFunction())
         columns = []
         with threads(self._n_threads):
             for field in [*axes, *(Cross(axis, arm) for axis in axes)]:
@@ -203,14 +229,14 @@ class Elasticity:
         ``fields`` (n, 3, k) are this discretisation's, ``others`` (n', 3, k) those of one of
         another order on the same mesh; summed over k.
         """
-        from ngsolve import CF, Grad, GridFunction, Integrate
+        from ngsolve import CF, GridFunction, Integrate
 
         density = CF(0.0)
         for k in range(fields.shape[2]):
             mine, yours = GridFunction(self._space), GridFunction(other._space)
             self._fill(mine.vec, fields[:, :, k])
             other._fill(yours.vec, others[:, :, k])
-            D = Grad(mine) - Grad(yours)
+            D = self._gradient(mine) - other._gradient(yours)
             density += virtual_work(self._space_mesh, self._laws, D, D)
         with threads(self._n_threads):
             return np.array(Integrate(density, self._space_mesh, element_wise=True))
@@ -234,7 +260,7 @@ class Elasticity:
 
         densities = {f"s{i}": law.density for i, law in enumerate(self._laws)}
         density = self._space_mesh.MaterialCF(densities)
-        u, v = self._space.TnT()
+        u, v = map(self._vector_of, self._space.TnT())
         form = BilinearForm(self._space, symmetric=True)
         # Curved elements have Jacobians of order three beside the shape functions.
         form += density * InnerProduct(u, v) * dx(bonus_intorder=3)
@@ -244,10 +270,9 @@ class Elasticity:
 
     def _coordinates(self) -> tuple[Array, Array]:
         """Return the coefficients (n, 3) of the position, m, and those (n,) of the constant one."""
-        from ngsolve import CF, H1, GridFunction, x, y, z
+        from ngsolve import CF, GridFunction, x, y, z
 
-        space = H1(self._space_mesh, order=self.settings.order, dim=3)
-        field = GridFunction(space)
+        field = GridFunction(self.functions(dim=3))
         with threads(self._n_threads):
             field.Set(CF((x, y, z)))
         constant = np.zeros(self.n_nodes)
@@ -296,3 +321,8 @@ class Elasticity:
                 image.data = matrix * source
                 out[:, :, k] = self._array(image)
         return out
+
+
+def _components(field: Any) -> Any:
+    """Return the components of a function of a space that is composed of three."""
+    return getattr(field, "components", field)

@@ -4,27 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
+from statistics import geometric_mean
 
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
-from scipy.optimize import brentq
 
 from stiffkit.spatial.rotation import Array
 
-_RATES = (0.25, 1.25)
-"""Orders of convergence in the number of unknowns that are believed. As the order rises the error
-first falls much faster, and then at the slow rate of the singular edges that every clamped face
-has: seen too late, that made estimates two times too small."""
+_RATIOS = (0.35, 0.9)
+"""Ratios of successive errors that are believed."""
 
-_USUAL_RATE = 0.85
-"""The order of convergence that is expected as long as nothing is known; real parts of thin walls
-were seen to begin with 0.9 to 1.2."""
+_USUAL_RATIO = 0.5
+"""The ratio as long as nothing is known."""
 
-_LARGEST_DROP = 40.0
-"""From one solution to the next the change falls by no more than this."""
-
-_GROWTH = 1.2
-"""Steps that add fewer unknowns tell nothing of convergence."""
+_CAUTION = 1.25
+"""At the singular edges that every clamped face has, convergence slows down as it goes on."""
 
 _SIZE_POWER = 0.35
 """The size goes with this power of the error that an element may have: between 1/2, right at edges
@@ -66,51 +61,30 @@ class Convergence:
 
     error: float
     """Estimated relative error of the last one, over all wrenches; inf if nothing is known."""
-    rate: float
-    """The error falls with the number of unknowns to this power."""
-
-    def predict(self, growth: float) -> float:
-        """Return the error to expect with so many times the unknowns."""
-        return float(self.error * growth**-self.rate)
+    ratio: float
+    """Of its error to that of the solution before."""
+    change: float
+    """Its relative difference from the solution before, over all wrenches."""
 
 
-def convergence(unknowns: Sequence[int], compliances: Sequence[Array]) -> Convergence:
+def convergence(compliances: Sequence[Array]) -> Convergence:
     """Estimate the relative error of the last of successive compliances.
 
-    The error of a Galerkin solution falls with a power of the number of unknowns N, and from three
-    solutions power and limit follow (B. Szabo, I. Babuska, Finite Element Analysis, 1991, section
-    4.3). With two, a usual power is taken; with one, the error is unknown (inf). The error is the
-    largest over all wrenches, see `relative_difference`.
+    Where each solution adds what promises most of the gain, errors fall like a geometric series
+    (W. Doerfler, "A convergent adaptive algorithm for Poisson's equation", SIAM J. Numer. Anal. 33,
+    1996), whose ratio is that of successive changes; the mean of the last two is taken. The first
+    solution is too coarse to tell a ratio from. With two solutions a usual ratio is taken; with
+    one, the error is unknown (inf). Errors are the largest over all wrenches, see
+    `relative_difference`.
     """
     if len(compliances) < 2:
-        return Convergence(float("inf"), _USUAL_RATE)
+        return Convergence(float("inf"), _USUAL_RATIO, float("inf"))
     last = compliances[-1]
-    change = relative_difference(last - compliances[-2], last)
-    n1, n2 = float(unknowns[-2]), float(unknowns[-1])
-    if n2 < _GROWTH * n1:
-        return Convergence(change, _USUAL_RATE)
-    rate = _USUAL_RATE
-    if len(compliances) > 2 and n1 >= _GROWTH * unknowns[-3]:
-        before = relative_difference(compliances[-2] - compliances[-3], last)
-        if before > 0.0:
-            # A change that happened to be small is no proof of convergence.
-            change = max(change, before / _LARGEST_DROP)
-            rate = _rate(float(unknowns[-3]), n1, n2, change / before)
-    return Convergence(change / ((n2 / n1) ** rate - 1.0), rate)
-
-
-def _rate(n0: float, n1: float, n2: float, ratio: float) -> float:
-    """Return the order of convergence that makes successive changes have the given ratio."""
-    low, high = _RATES
-
-    def excess(rate: float) -> float:
-        return float((n1**-rate - n2**-rate) / (n0**-rate - n1**-rate) - ratio)
-
-    if excess(low) <= 0.0:
-        return low
-    if excess(high) >= 0.0:
-        return high
-    return float(brentq(excess, low, high))
+    changes = [relative_difference(b - a, last) for a, b in pairwise(compliances)]
+    ratios = [b / a for a, b in pairwise(changes[1:]) if a > 0.0]
+    ratio = float(np.clip(geometric_mean(ratios[-2:] or [_USUAL_RATIO]), *_RATIOS))
+    error = _CAUTION * changes[-1] * ratio / (1.0 - ratio)
+    return Convergence(error, ratio, changes[-1])
 
 
 def geometry_error(volume_error: float, area_error: float) -> float:

@@ -181,6 +181,16 @@ def build_part(
     return _part("build", job, f"{path.name}: {function}", function, f"{unit:g} m", digest)
 
 
+def build_registered(name: str, dimensions: Mapping[str, float], digest: str) -> Part:
+    """Return a parametric part of this package, built in a child process.
+
+    ``dimensions`` are all of the part's, SI; ``digest`` is the hash of what the shape depends on.
+    Raises `CadError` if it cannot be built.
+    """
+    job = {"part": name, "dimensions": dict(dimensions)}
+    return _part("parametric", job, name, name, "none, built from dimensions", digest)
+
+
 def _part(task: str, job: dict[str, Any], what: str, name: str, unit: str, digest: str) -> Part:
     """Let the child read or build a part and return it in metres."""
     with work_folder() as folder:

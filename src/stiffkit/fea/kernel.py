@@ -12,11 +12,13 @@ from typing import Any
 import numpy as np
 
 from stiffkit.errors import CadError
+from stiffkit.fea.parts import find_part
 from stiffkit.fea.surfaces import surface_kind
 from stiffkit.spatial.rotation import Array
 
 SHAPE = "shape.brep"
 TRIANGLES = "triangles.npz"
+STEP = "part.step"
 
 
 def read_part(folder: Path, job: dict[str, Any]) -> dict[str, Any]:
@@ -42,6 +44,20 @@ def build_part(folder: Path, job: dict[str, Any]) -> dict[str, Any]:
     if function is None:
         raise CadError(f"{path.name} has no function {job['function']}")
     return describe(function(**job["arguments"]), folder, job["scale"])
+
+
+def build_registered(folder: Path, job: dict[str, Any]) -> dict[str, Any]:
+    """Build a parametric part of this package, write the shape, and return its facts.
+
+    ``job``: ``part`` (its name) and ``dimensions`` (all of them, SI).
+    """
+    return describe(find_part(job["part"]).build(job["dimensions"]), folder, 1.0)
+
+
+def export_registered(folder: Path, job: dict[str, Any]) -> dict[str, Any]:
+    """Build a parametric part of this package, as `build_registered`, and write it as STEP."""
+    find_part(job["part"]).build(job["dimensions"]).WriteStep(str(folder / STEP))
+    return {}
 
 
 def describe(shape: Any, folder: Path, scale: float) -> dict[str, Any]:

@@ -8,19 +8,20 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stiffkit.errors import CadError, LinkError
+from stiffkit.fea.beams import BeamApproximation, read_beams
 from stiffkit.fea.interfaces import FacePick
 from stiffkit.fea.material import Law
+from stiffkit.fea.sources import PartSource, read_source_of_part
 from stiffkit.fea.written import read_law
 from stiffkit.files import Entry, check_shape, read_frame, read_source, read_tree
 from stiffkit.files.shares import read_share
 from stiffkit.link import MATERIALS, Material
+from stiffkit.link.ports import BASE, TIP, other_ports
 from stiffkit.spatial.rotation import Array
 from stiffkit.units import LENGTH, NUMBER
 
 SCHEMA_FILE = Path(__file__).with_name("schema.json")
 """The published schema of specifications."""
-
-CAD_SUFFIXES = (".step", ".stp", ".brep")
 
 TOLERANCE = 1e-3
 """Relative error of the compliance that is asked for if nothing is said."""
@@ -68,14 +69,15 @@ class LinkSpec:
 
     path: Path
     title: str
-    cad: Path
+    cad: PartSource
+    """What gives the part."""
     scale: float | None
     """What the part's lengths are multiplied by; 1, with a check of its size, if None."""
     material: Law
     solids: Mapping[str, Law]
     """Materials of solids, by the solid's name, that differ."""
-    base: PortSpec
-    tip: PortSpec
+    ports: tuple[tuple[str, PortSpec], ...]
+    """The interfaces by name, "base" first; the others in the order of the link's compliance."""
     up: tuple[float, float, float] | None
     """What the link's z is nearest to."""
     tolerance: float
@@ -85,6 +87,13 @@ class LinkSpec:
     """SHA-256 of the file; empty if it stands in another file."""
     cad_place: Entry
     """Where the specification names the part."""
+    beams: tuple[BeamApproximation, ...] = ()
+    """Approximations to compare with; the result does not depend on them."""
+
+    @property
+    def base(self) -> PortSpec:
+        """The interface that is held."""
+        return self.ports[0][1]
 
     @property
     def name(self) -> str:
@@ -92,8 +101,8 @@ class LinkSpec:
         return self.path.name.partition(".")[0] or "link"
 
 
-def read_link_spec(path: Path | str) -> LinkSpec:
-    """Return the specification of a file.
+def read_link_spec(path: Path | str, part: PartSource | None = None) -> LinkSpec:
+    """Return the specification of a file; ``part`` takes the place of the one that it names.
 
     Raises FileError, with the place and how to mend it, where anything is wrong.
     """
@@ -101,15 +110,25 @@ def read_link_spec(path: Path | str) -> LinkSpec:
     root = read_tree(source, "link: TITLE")
     check_shape(root, source.path, SCHEMA_FILE)
     entry = Entry(source.path, (), root)
-    return _spec(entry, entry["cad"], entry["link"].text(), MATERIALS, source.content_hash)
+    title = entry["link"].text()
+    return _spec(entry, entry["cad"], title, MATERIALS, source.content_hash, part)
 
 
 def read_inline_spec(entry: Entry, title: str, materials: Mapping[str, Material]) -> LinkSpec:
     """Return the specification that stands in another file, whose shape has been checked.
 
-    Its part stands under ``file``. Raises FileError where anything is wrong.
+    Its part stands under ``file``, or under ``part`` and ``dimensions``. Raises FileError where
+    anything is wrong.
     """
-    return _spec(entry, entry["file"], title, materials, "")
+    if ("file" in entry) == ("part" in entry):
+        which = "both 'file' and 'part' are" if "file" in entry else "neither 'file' nor 'part' is"
+        raise entry.error(
+            f"{which} given", "name a CAD file by 'file', or a parametric part by 'part'"
+        )
+    if "file" in entry and "dimensions" in entry:
+        raise entry["dimensions"].error("a file has no dimensions to give", "remove them")
+    file = entry.get("file")
+    return _spec(entry, entry if file is None else file, title, materials, "")
 
 
 @contextmanager
@@ -122,22 +141,29 @@ def blamed_on(entry: Entry) -> Iterator[None]:
 
 
 def _spec(
-    entry: Entry, cad: Entry, title: str, materials: Mapping[str, Material], content_hash: str
+    entry: Entry,
+    cad: Entry,
+    title: str,
+    materials: Mapping[str, Material],
+    content_hash: str,
+    part: PartSource | None = None,
 ) -> LinkSpec:
     scale, up, solids = entry.get("scale"), entry.get("up"), entry.get("solids")
-    tolerance = entry.get("tolerance")
+    tolerance, beams = entry.get("tolerance"), entry.get("beams")
+    material = read_law(entry["material"], materials)
+    if beams is not None and "tip" not in entry:
+        raise beams.error("beams lead from the base to a tip, and the link has none", "remove them")
     return LinkSpec(
         path=entry.path,
         title=title,
-        cad=_cad_file(cad),
+        cad=read_source_of_part(cad) if part is None else part,
         scale=None if scale is None else scale.positive(NUMBER),
-        material=read_law(entry["material"], materials),
+        material=material,
         solids={
             name: read_law(given, materials)
             for name, given in ([] if solids is None else solids.items())
         },
-        base=_port(entry["base"]),
-        tip=_port(entry["tip"]),
+        ports=_ports(entry),
         up=None if up is None else _triple(up.vector(NUMBER)),
         tolerance=TOLERANCE
         if tolerance is None
@@ -146,21 +172,21 @@ def _spec(
         mesh=_mesh(entry.get("mesh")),
         content_hash=content_hash,
         cad_place=cad,
+        beams=read_beams(beams, material),
     )
 
 
-def _cad_file(entry: Entry) -> Path:
-    path = entry.path.parent / entry.text()
-    if path.suffix.lower() not in CAD_SUFFIXES:
+def _ports(entry: Entry) -> tuple[tuple[str, PortSpec], ...]:
+    """Return the base, and the tip or the ports that stand in its place."""
+    tip, given = entry.get("tip"), entry.get("ports")
+    if (tip is None) == (given is None):
+        what = "neither 'tip' nor 'ports' is" if tip is None else "'tip' and 'ports' are both"
         raise entry.error(
-            f"'{entry.text()}' is not the name of a CAD file",
-            f"export the part as STEP; names end in {', '.join(CAD_SUFFIXES)}",
+            f"{what} given",
+            f"write 'tip' where the link has one port beside its {BASE}, 'ports' where it has more",
         )
-    if not path.is_file():
-        raise entry.error(
-            f"there is no file '{path}'", "its name is taken relative to the file that names it"
-        )
-    return path
+    others = other_ports(entry["ports"]) if tip is None else [(TIP, tip)]
+    return (BASE, _port(entry[BASE])), *((name, _port(port)) for name, port in others)
 
 
 def _port(entry: Entry) -> PortSpec:

@@ -15,6 +15,7 @@ from stiffkit.fea.arrays import MeshArrays, load_arrays
 from stiffkit.fea.child import TIMEOUT, run_child, work_folder
 from stiffkit.fea.geometry import MM, Part
 from stiffkit.fea.meshcheck import MeshCheck, check_mesh
+from stiffkit.fea.orders import Topology
 from stiffkit.spatial.rotation import Array
 
 COARSE = 6.0
@@ -77,6 +78,11 @@ class PartMesh(MeshArrays):
     def curved(self) -> Any:
         """The mesh as NGSolve has it: faces are named f0, f1 ..., solids s0, s1 ..."""
         return self._to_ngsolve(curved=True)
+
+    @cached_property
+    def topology(self) -> Topology:
+        """Edges and faces of the elements of `curved`."""
+        return Topology(self.curved)
 
     @cached_property
     def straight(self) -> Any:

@@ -44,6 +44,8 @@ def mesh_shape(folder: Path, job: dict[str, Any]) -> dict[str, Any]:
 
 def _arrays(mesh: Any) -> MeshArrays:
     volume, surface = mesh.Elements3D().NumPy(), mesh.Elements2D().NumPy()
+    # Solid by solid, as they are numbered when the mesh is built again.
+    volume = volume[np.argsort(volume["index"], kind="stable")]
     return MeshArrays(
         points=_MM * np.asarray(mesh.Coordinates(), dtype=float),
         tets=volume["nodes"][:, :10].astype(np.int32) - 1,

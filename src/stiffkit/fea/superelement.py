@@ -46,13 +46,18 @@ class PortModel:
         """
         return self.solver.modes(n_modes)
 
+    @property
+    def _from_held(self) -> list[int]:
+        """Indices of the ports, the held one first."""
+        return [self.held, *(i for i in range(len(self.ports)) if i != self.held)]
+
     def link_frame(self, up: Array | None = None) -> Frame:
-        """Return ``T_part_link``: origin at the held port's point, x to the other one's.
+        """Return ``T_part_link``: origin at the held port's point, x to the first of the others.
 
         z lies as near as it can to ``up`` (3,), the part's z if None (its y if that is along x).
-        Raises `CadError` unless there are two ports, at different points.
+        Raises `CadError` if the two ports are at one point.
         """
-        base, tip = self._base_and_tip()
+        base, tip, *_ = (self.ports[i] for i in self._from_held)
         along = tip.point - base.point
         length = float(np.linalg.norm(along))
         if length == 0.0:
@@ -69,29 +74,23 @@ class PortModel:
                 return Frame(np.column_stack([x, np.cross(z, x), z]), base.point)
         raise CadError("the direction up is along the link", mend="choose another")
 
-    def to_link(self, n_modes: int, up: Array | None = None) -> Superelement:
-        """Return the superelement of a link with two ports, the held one its base, in link axes.
+    def to_link(self, n_modes: int, R: Array) -> Superelement:
+        """Return the superelement of a link, the held port its base, and the others in order.
 
-        See `link_frame`; ``n_modes`` modes with both ports held. Raises `CadError` as that does.
+        Its axes are the columns of ``R`` (3, 3) in the part's, such as those of `link_frame`;
+        ``n_modes`` modes with all ports held.
         """
-        turn = np.kron(np.eye(2), self.link_frame(up).rotation)
+        m = len(self.ports)
         values, M = self.modes(n_modes)
-        ports = np.concatenate([6 * self.held + np.arange(6), 6 * (1 - self.held) + np.arange(6)])
-        order = np.concatenate([ports, 12 + np.arange(n_modes)])
-        whole = np.eye(12 + n_modes)
-        whole[:12, :12] = np.kron(np.eye(2), turn)
+        ports = [6 * i + np.arange(6) for i in self._from_held]
+        order = np.concatenate([*ports, 6 * m + np.arange(n_modes)])
+        whole = np.eye(6 * m + n_modes)
+        whole[: 6 * m, : 6 * m] = np.kron(np.eye(2 * m), R)
         M = whole.T @ M[np.ix_(order, order)] @ whole
+        turn = np.kron(np.eye(2 * (m - 1)), R)
         k = turn.T @ self.compliance @ turn
         rule = f"finite elements, {self.n_unknowns} unknowns"
         return Superelement(0.5 * (k + k.T), values, 0.5 * (M + M.T), rule)
-
-    def _base_and_tip(self) -> tuple[Port, Port]:
-        if len(self.ports) != 2:
-            raise CadError(
-                f"the part has {len(self.ports)} ports, and a link in a leg has two",
-                mend="use the stiffness and mass of all ports",
-            )
-        return self.ports[self.held], self.ports[1 - self.held]
 
 
 def reduce_part(

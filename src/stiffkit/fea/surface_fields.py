@@ -22,21 +22,21 @@ class Surface:
     triangles: NDArray[np.int64]
     """(t, 3), indices of points."""
     displacements: Array
-    """(n, 3, 6), m, under a unit force or moment along each axis at the tip, base held."""
+    """(n, 3, 6(m-1)), m, under a unit force or moment along each axis at each of m ports but the
+    base, in order, with the base held."""
 
 
 def surface_of(model: PortModel, mesh: PartMesh, order: int, T_part_link: Frame) -> Surface:
-    """Return the surface of a part with two ports, the first of them held."""
+    """Return the surface of a part whose first port is held."""
     from ngsolve import BND
 
     space = mesh.curved if order > 1 else mesh.straight
     points = np.array([vertex.point for vertex in space.vertices])
     corners = np.array([[v.nr for v in e.vertices] for e in space.Elements(BND)])
     R = T_part_link.rotation
-    turn = np.kron(np.eye(2), R)
-    wrenches = model.compliance @ turn
+    twists = model.compliance @ np.kron(np.eye(len(model.compliance) // 3), R)
     # Coefficients of the hierarchical polynomials at vertices are values.
-    fields = model.solver.static_fields()[: len(points), :, 6:12] @ wrenches
+    fields = model.solver.static_fields()[: len(points), :, 6:] @ twists
     used, triangles = np.unique(corners, return_inverse=True)
     return Surface(
         points=(points[used] - T_part_link.position) @ R,

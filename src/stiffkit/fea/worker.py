@@ -12,10 +12,16 @@ from pathlib import Path
 from typing import Any
 
 from stiffkit.errors import StiffkitError
-from stiffkit.fea.kernel import build_part, read_part
+from stiffkit.fea.kernel import build_part, build_registered, export_registered, read_part
 from stiffkit.fea.mesher import mesh_shape
 
-TASKS = {"read": read_part, "build": build_part, "mesh": mesh_shape}
+TASKS = {
+    "read": read_part,
+    "build": build_part,
+    "parametric": build_registered,
+    "export": export_registered,
+    "mesh": mesh_shape,
+}
 
 
 def main(folder: Path) -> int:

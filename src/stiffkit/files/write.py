@@ -35,11 +35,16 @@ def write_yaml(content: Mapping[str, Any], path: Path) -> None:
     text = yaml.dump(
         dict(content), Dumper=_Dumper, sort_keys=False, width=10_000, allow_unicode=True
     )
+    write_bytes(text.encode("utf-8"), path)
+
+
+def write_bytes(content: bytes, path: Path) -> None:
+    """Write a file whole or not at all. Raises OutputError where that is not possible."""
     try:
         handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".partial")
         try:
-            with os.fdopen(handle, "w", encoding="utf-8") as file:
-                file.write(text)
+            with os.fdopen(handle, "wb") as file:
+                file.write(content)
             Path(name).chmod(0o644)
             Path(name).replace(path)
         except BaseException:

@@ -21,6 +21,7 @@ from stiffkit.identify.sizes import size_doubts
 from stiffkit.identify.spec import ESTIMATORS, Spec, blamed_on, read_spec
 from stiffkit.link.checks import check_compliance
 from stiffkit.link.file import LinkFile, write_link_file
+from stiffkit.link.ports import TIP
 from stiffkit.spatial import Frame
 from stiffkit.spatial.rotation import Array
 
@@ -74,7 +75,7 @@ class IdentifiedLink:
         """The content of the link file."""
         return LinkFile(
             title=self.spec.title,
-            T_link_tip=Frame(position=self.found.reference),
+            ports={TIP: Frame(position=self.found.reference)},
             compliance=self.compliance,
             covariance=self.covariance,
             provenance=_provenance(self),

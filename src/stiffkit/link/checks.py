@@ -6,6 +6,7 @@ is a value that is possible but looks like a mistake of unit. Entries are counte
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import combinations
 
 import numpy as np
@@ -33,14 +34,15 @@ def symmetrize(matrix: ArrayLike) -> Array:
     return np.asarray((M + M.T) / 2.0)
 
 
-def check_compliance(matrix: ArrayLike) -> list[str]:
-    """Return what keeps a matrix from being a compliance: 6x6, translation first, in any unit.
+def check_compliance(matrix: ArrayLike, ports: Sequence[str] = ("tip",)) -> list[str]:
+    """Return what keeps a matrix from being a compliance, in any unit.
 
-    It must be finite, symmetric to 1e-6 of the diagonal, and positive definite. The last is
+    It has six rows and columns for each of the ``ports`` that are not held, translation first. It
+    must be finite, symmetric to 1e-6 of the diagonal, and positive definite. The last is
     tested on the matrix scaled to unit diagonal, so the units do not matter; of a matrix that is
     not symmetric the symmetric part is tested.
     """
-    shape_faults = _shape_faults(matrix, 6)
+    shape_faults = _shape_faults(matrix, 6 * len(ports))
     if shape_faults:
         return shape_faults
     k = np.asarray(matrix, dtype=float)
@@ -51,18 +53,20 @@ def check_compliance(matrix: ArrayLike) -> list[str]:
             for i in np.flatnonzero(diagonal <= 0.0)
         ]
     scale = np.sqrt(np.outer(diagonal, diagonal))
-    return _asymmetry(k, scale) + _indefiniteness(symmetrize(k), scale)
+    loads = LOADS if len(ports) == 1 else [f"{load} at {port}" for port in ports for load in LOADS]
+    return _asymmetry(k, scale) + _indefiniteness(symmetrize(k), scale, loads)
 
 
 def doubts_compliance(matrix: ArrayLike) -> list[str]:
-    """Return what looks like a wrong unit in a compliance (6x6, taken as SI) free of faults."""
+    """Return what looks like a wrong unit in a compliance (6p, 6p), SI, free of faults."""
     diagonal = np.diag(np.asarray(matrix, dtype=float))
     doubts = _diagonal_doubts(diagonal)
-    lever = float(np.sqrt(diagonal[:3].sum() / diagonal[3:].sum()))
+    translations, rotations = diagonal.reshape(-1, 2, 3).swapaxes(0, 1)
+    lever = float(np.sqrt(translations.sum() / rotations.sum()))
     if not SHORTEST <= lever <= LONGEST:
         doubts.append(
-            f"translations of up to {diagonal[:3].max():.3g} m/N beside rotations of up to "
-            f"{diagonal[3:].max():.3g} rad/(N m) mean levers of about {lever:.3g} m; "
+            f"translations of up to {translations.max():.3g} m/N beside rotations of up to "
+            f"{rotations.max():.3g} rad/(N m) mean levers of about {lever:.3g} m; "
             "another unit, such as mm/N and rad/(N mm), was probably meant"
         )
     return doubts
@@ -134,19 +138,21 @@ def _asymmetry(M: Array, scale: Array) -> list[str]:
     return [f"{fault}; correct one, or symmetrize to take the mean"]
 
 
-def _indefiniteness(k: Array, scale: Array) -> list[str]:
+def _indefiniteness(k: Array, scale: Array, loads: Sequence[str]) -> list[str]:
     correlation = k / scale
     values, vectors = np.linalg.eigh(correlation)
     if values[0] > DEFINITE_TOLERANCE:
         return []
-    broken = [(i, j) for i, j in combinations(range(6), 2) if abs(correlation[i, j]) >= 1.0]
+    broken = [(i, j) for i, j in combinations(range(len(k)), 2) if abs(correlation[i, j]) >= 1.0]
     if broken:
         return [_broken_minor(k, correlation, broken)]
     load = vectors[:, 0] / np.sqrt(np.diag(k))
     load = load / load[np.argmax(np.abs(load))]
     share = np.abs(vectors[:, 0])
     words = ", ".join(
-        f"{LOADS[i]} = {load[i]:.3g}" for i in range(6) if share[i] > 0.05 * share.max()
+        f"{name} = {x:.3g}"
+        for name, x, part in zip(loads, load, share, strict=True)
+        if part > 0.05 * share.max()
     )
     return [
         f"not positive definite: under the load {words} the energy is "
@@ -172,7 +178,8 @@ def _broken_minor(k: Array, correlation: Array, broken: list[tuple[int, int]]) -
 def _diagonal_doubts(diagonal: Array) -> list[str]:
     doubts = []
     for i, entry in enumerate(diagonal):
-        softest, unit = (SOFTEST_TRANSLATION, "m/N") if i < 3 else (SOFTEST_ROTATION, "rad/(N m)")
+        moves = i % 6 < 3
+        softest, unit = (SOFTEST_TRANSLATION, "m/N") if moves else (SOFTEST_ROTATION, "rad/(N m)")
         if not STIFFEST <= entry <= softest:
             doubts.append(
                 f"entry {i + 1},{i + 1} = {entry:.3g} {unit} is hardly that of a link, which has "

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from stiffkit.errors import FileError
-from stiffkit.files import Entry, Row, check_shape, read_frame, read_source, read_tree, write_yaml
+from stiffkit.files import Entry, Row, check_shape, read_source, read_tree, write_yaml
 from stiffkit.link.given import read_compliance, read_inertia
 from stiffkit.link.given_superelement import (
     check_superelement,
@@ -19,10 +19,13 @@ from stiffkit.link.given_superelement import (
     rigid_body_of,
 )
 from stiffkit.link.matrix_file import read_matrix
+from stiffkit.link.ports import places_of, read_ports, write_ports
 from stiffkit.link.superelement import Superelement
 from stiffkit.spatial import Frame
 from stiffkit.spatial.rotation import Array
 from stiffkit.units import LENGTH, MASS
+
+Ports = dict[str, Frame]
 
 SCHEMA_FILE = Path(__file__).with_name("schema.json")
 """The published schema of link files."""
@@ -35,14 +38,15 @@ _DISAGREEMENT = 0.01
 
 @dataclass(frozen=True, eq=False)
 class LinkFile:
-    """An elastic link with two ports: everything in link axes, SI."""
+    """An elastic link with m ports: everything in link axes, SI."""
 
     title: str
-    T_link_tip: Frame
+    ports: Mapping[str, Frame]
+    """T_link_port of the ports but the base, which is at the link's origin."""
     compliance: Array
-    """(6, 6), of the tip with the base clamped, at the tip's origin."""
+    """(6(m-1), 6(m-1)), of these ports, in order, each at its origin, with the base clamped."""
     covariance: Array | None = None
-    """(36, 36), of the elements of the compliance, row by row."""
+    """(36, 36), of the elements of the compliance of a link with two ports, row by row."""
     mass: float | None = None
     """kg."""
     center_of_mass: Array | None = None
@@ -70,28 +74,28 @@ def read_link_file(path: Path) -> LinkFile:
     if "compliance" not in entry and "superelement" not in entry:
         raise entry.error("the link has no elasticity", "add 'compliance' or 'superelement'")
     notes: list[str] = []
-    element, tip = None, None
+    element: Superelement | None = None
+    ports: Ports = {}
     if (given := entry.get("superelement")) is not None:
-        element, tip, notes = _read_superelement(given)
-    if (given := entry.get("compliance")) is not None:
-        compliance, repairs = read_compliance(given)
-        notes.extend(repairs)
-        own_tip = read_tip(given)
-        if tip is not None and not np.allclose(tip.position, own_tip.position, atol=1e-9):
-            raise given.error("its tip is not that of the superelement", "give the same tip twice")
-        tip = own_tip
-    elif element is not None:
+        element, ports, notes = _read_superelement(given)
         compliance = element.compliance
-    mass, center, found_inertia = _read_mass(entry, element, tip, notes)
-    if tip is None:
-        raise entry.error("the link has no tip")
+    if (given := entry.get("compliance")) is not None:
+        own = read_ports(given)
+        if element is not None and not _are_at_one_place(own, ports):
+            raise given.error(
+                "its ports are not those of the superelement", "give the same ports twice"
+            )
+        ports = own
+        compliance, repairs = read_compliance(given, list(ports))
+        notes.extend(repairs)
+    mass, center, found_inertia = _read_mass(entry, element, ports, notes)
     if element is not None:
         notes.extend(_disagreement(compliance, element.compliance))
     return LinkFile(
         title=entry["link"].text(),
-        T_link_tip=tip,
+        ports=ports,
         compliance=compliance,
-        covariance=_read_covariance(entry.get("covariance")),
+        covariance=_read_covariance(entry.get("covariance"), ports),
         mass=mass,
         center_of_mass=center,
         inertia=found_inertia,
@@ -102,45 +106,38 @@ def read_link_file(path: Path) -> LinkFile:
     )
 
 
-def read_tip(entry: Entry) -> Frame:
-    """Return T_link_tip, which a mapping gives by ``tip`` or by ``length``.
-
-    Raises FileError where it gives none or both.
-    """
-    tip, length = entry.get("tip"), entry.get("length")
-    if (tip is None) == (length is None):
-        what = "neither 'tip' nor 'length' is" if tip is None else "'tip' and 'length' are both"
-        raise entry.error(f"{what} given", "say where the tip is by one of the two")
-    if length is not None:
-        return Frame.at(length.positive(LENGTH))
-    return read_frame(entry["tip"])
+def _are_at_one_place(first: Ports, second: Ports) -> bool:
+    """Tell whether ports have the same names and places."""
+    return list(first) == list(second) and np.allclose(
+        places_of(first), places_of(second), atol=1e-9
+    )
 
 
-def _read_superelement(entry: Entry) -> tuple[Superelement, Frame, list[str]]:
-    tip = read_tip(entry)
+def _read_superelement(entry: Entry) -> tuple[Superelement, Ports, list[str]]:
+    ports = read_ports(entry)
     K, M = read_matrix(entry["stiffness"]), read_matrix(entry["mass"])
     if "units" in entry and entry["units"].text() == "mm":
-        K, M = _from_mm(K), _from_mm(M)
-    faults = check_superelement(K, M, tip.position)
+        K, M = (_from_mm(matrix, 1 + len(ports)) for matrix in (K, M))
+    faults = check_superelement(K, M, ports)
     if faults:
         raise entry.error("; ".join(faults), "correct the matrices, their order or 'units'")
-    element = given_superelement(K, M)
-    return element, tip, doubts_superelement(element, tip.position)
+    element = given_superelement(K, M, 1 + len(ports))
+    return element, ports, doubts_superelement(element, places_of(ports))
 
 
-def _from_mm(matrix: Array) -> Array:
-    """Return a matrix (12 + n, 12 + n) of energy in mJ over mm and rad in J over m and rad."""
-    scale = np.ones(len(matrix))
-    scale[[0, 1, 2, 6, 7, 8]] = 1e3
+def _from_mm(matrix: Array, n_ports: int) -> Array:
+    """Return a matrix (6m + n, 6m + n) of energy in mJ over mm and rad in J over m and rad."""
+    coordinate = np.arange(len(matrix))
+    scale = np.where((coordinate < 6 * n_ports) & (coordinate % 6 < 3), 1e3, 1.0)
     return np.asarray(1e-3 * matrix * np.outer(scale, scale))
 
 
 def _read_mass(
-    entry: Entry, element: Superelement | None, tip: Frame | None, notes: list[str]
+    entry: Entry, element: Superelement | None, ports: Ports, notes: list[str]
 ) -> tuple[float | None, Array | None, Array | None]:
     given = [key for key in ("mass", "center_of_mass", "inertia") if key in entry]
-    if element is not None and tip is not None:
-        body = rigid_body_of(element, tip.position)
+    if element is not None:
+        body = rigid_body_of(element, places_of(ports))
         own = entry["mass"].not_negative(MASS) if "mass" in entry else body.mass
         if abs(own - body.mass) > _DISAGREEMENT * body.mass:
             notes.append(f"mass: {own:.6g} kg is given, the superelement has {body.mass:.6g} kg")
@@ -154,9 +151,14 @@ def _read_mass(
     return mass, center, inertia
 
 
-def _read_covariance(entry: Entry | None) -> Array | None:
+def _read_covariance(entry: Entry | None, ports: Ports) -> Array | None:
     if entry is None:
         return None
+    if len(ports) > 1:
+        raise entry.error(
+            "a covariance is known of links with two ports only, and this one has more",
+            "leave it out",
+        )
     covariance = np.array(entry.node.plain(), dtype=np.float64)
     if not np.isfinite(covariance).all() or (np.diag(covariance) < 0.0).any():
         raise entry.error("a covariance has finite values and no negative variances")
@@ -186,10 +188,8 @@ def write_link_file(link: LinkFile, path: Path) -> None:
 
 
 def _content(link: LinkFile) -> dict[str, Any]:
-    tip = {"at": Row(link.T_link_tip.position.tolist())}
-    turns = _turns(link.T_link_tip)
     content: dict[str, Any] = {"link": link.title}
-    content["compliance"] = {"matrix": _rows(link.compliance), "tip": tip | turns}
+    content["compliance"] = {"matrix": _rows(link.compliance)} | write_ports(link.ports)
     if link.mass is not None:
         content["mass"] = float(link.mass)
     if link.center_of_mass is not None:
@@ -201,10 +201,9 @@ def _content(link: LinkFile) -> dict[str, Any]:
     if link.superelement is not None:
         element = link.superelement
         content["superelement"] = {
-            "stiffness": _rows(element.stiffness(link.T_link_tip.position)),
+            "stiffness": _rows(element.stiffness(places_of(link.ports))),
             "mass": _rows(element.mass),
-            "tip": tip | turns,
-        }
+        } | write_ports(link.ports)
     if link.covariance is not None:
         content["covariance"] = _rows(link.covariance)
     return content
@@ -212,16 +211,6 @@ def _content(link: LinkFile) -> dict[str, Any]:
 
 def _rows(matrix: Array) -> list[Row]:
     return [Row(row) for row in matrix.tolist()]
-
-
-def _turns(frame: Frame) -> dict[str, Any]:
-    """Return the turns about x, y and z that make a frame's rotation, if it is turned."""
-    from scipy.spatial.transform import Rotation
-
-    if np.array_equal(frame.rotation, np.eye(3)):
-        return {}
-    angles = Rotation.from_matrix(frame.rotation).as_euler("XYZ")
-    return {"rotate": [{axis: float(angle)} for axis, angle in zip("xyz", angles, strict=True)]}
 
 
 def is_link_file(text: str) -> bool:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from stiffkit.files.entry import Entry
 from stiffkit.link.checks import check_compliance, check_inertia
+from stiffkit.link.ports import in_words
 from stiffkit.link.repair import repaired
 from stiffkit.spatial.rotation import Array
 from stiffkit.units import (
@@ -19,17 +22,19 @@ from stiffkit.units import (
 _METRES = {"m": 1.0, "mm": 1e-3}
 
 
-def read_compliance(entry: Entry) -> tuple[Array, list[str]]:
-    """Return the compliance (6x6, SI) of a ``compliance`` mapping, and the repairs it asked for.
+def read_compliance(entry: Entry, ports: Sequence[str]) -> tuple[Array, list[str]]:
+    """Return the compliance (6p, 6p), SI, of a ``compliance`` mapping, and the repairs asked for.
 
-    Raises FileError where the matrix, repaired, is not that of an elastic body.
+    ``ports`` are the p that are not held. Raises FileError where the matrix, repaired, is not that
+    of an elastic body.
     """
     units = entry["units"].text() if "units" in entry else "m"
-    scale = _bare_scale(_METRES[units])
+    rows = _square(entry["matrix"], ports)
+    scale = _bare_scale(_METRES[units], len(rows))
     matrix = np.array(
         [
-            [_read_element(element, i, j, scale) for j, element in enumerate(row.elements())]
-            for i, row in enumerate(entry["matrix"].elements())
+            [_read_element(element, i, j, scale) for j, element in enumerate(row)]
+            for i, row in enumerate(rows)
         ]
     )
     notes: list[str] = []
@@ -37,7 +42,7 @@ def read_compliance(entry: Entry) -> tuple[Array, list[str]]:
         matrix, notes = repaired(
             matrix, repair, "compliance", lambda e, i, j: _read_element(e, i, j, scale), scale
         )
-    faults = check_compliance(matrix)
+    faults = check_compliance(matrix, ports)
     if faults:
         raise entry["matrix"].error("; ".join(faults), _mend(faults))
     return matrix, notes
@@ -65,11 +70,24 @@ def read_inertia(entry: Entry, mass: float | None) -> tuple[Array, list[str]]:
     return inertia, notes
 
 
-def _bare_scale(metres: float) -> Array:
-    """Return what bare numbers are multiplied by (6x6), given the unit of length in metres."""
-    scale = np.ones((6, 6))
-    scale[:3, :3] = metres
-    scale[3:, 3:] = 1.0 / metres
+def _square(entry: Entry, ports: Sequence[str]) -> list[list[Entry]]:
+    """Return the elements of a matrix. Raises FileError unless it has six rows for each port."""
+    size = 6 * len(ports)
+    for listed in (entry, *entry.elements()):
+        if len(listed.elements()) != size:
+            raise listed.error(
+                f"the list has {len(listed.elements())} values, {size} are expected",
+                f"there are six rows and columns for each port but the base: {in_words(ports)}",
+            )
+    return [row.elements() for row in entry.elements()]
+
+
+def _bare_scale(metres: float, size: int) -> Array:
+    """Return what bare numbers are multiplied by (size, size), given the unit of length, m."""
+    translates = np.arange(size) % 6 < 3
+    scale = np.ones((size, size))
+    scale[np.ix_(translates, translates)] = metres
+    scale[np.ix_(~translates, ~translates)] = 1.0 / metres
     return scale
 
 
@@ -80,9 +98,10 @@ def _read_element(entry: Entry, i: int, j: int, scale: Array) -> float:
 
 
 def _dimension(i: int, j: int) -> Dimension:
-    if i < 3 and j < 3:
+    turns = (i % 6 >= 3, j % 6 >= 3)
+    if not any(turns):
         return COMPLIANCE_TRANSLATION
-    return COMPLIANCE_ROTATION if i >= 3 and j >= 3 else COMPLIANCE_COUPLING
+    return COMPLIANCE_ROTATION if all(turns) else COMPLIANCE_COUPLING
 
 
 def _mend(faults: list[str]) -> str:

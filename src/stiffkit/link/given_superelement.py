@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from stiffkit.link.checks import SYMMETRY_TOLERANCE, check_inertia
+from stiffkit.link.ports import BASE, carried, in_words, places_of
 from stiffkit.link.reduction import craig_bampton
 from stiffkit.link.superelement import Superelement
-from stiffkit.spatial import twist_shift
+from stiffkit.spatial import Frame
 from stiffkit.spatial.rotation import Array, skew
-
-PORTS = 12
-"""Coordinates of the two ports, which come first: twist of the base, twist of the tip."""
 
 DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
 
@@ -35,13 +34,14 @@ class RigidBody:
     """(3, 3), kg m^2, about the centre of mass, link axes."""
 
 
-def check_superelement(K: Array, M: Array, tip: Array) -> list[str]:
-    """Return what keeps a stiffness and a mass matrix (12 + n, 12 + n), SI, from being a link's.
+def check_superelement(K: Array, M: Array, ports: Mapping[str, Frame]) -> list[str]:
+    """Return what keeps a stiffness and a mass matrix (6m + n, 6m + n), SI, from being a link's.
 
-    The first coordinates are the twists of the base and of the tip at ``tip`` (3,), m.
+    The first coordinates are the twists of the base and of the other ports, in order; ``ports``
+    holds T_link_port of those others.
     """
     for name, matrix in (("stiffness", K), ("mass", M)):
-        faults = _faults_of_shape(name, matrix)
+        faults = _faults_of_shape(name, matrix, [BASE, *ports])
         if faults:
             return faults
     if K.shape != M.shape:
@@ -52,14 +52,16 @@ def check_superelement(K: Array, M: Array, tip: Array) -> list[str]:
         *_indefiniteness("stiffness", K),
         *_indefiniteness("mass", M),
     ]
-    return faults or _resistance(K, tip)
+    return faults or _resistance(K, ports)
 
 
-def _faults_of_shape(name: str, M: Array) -> list[str]:
+def _faults_of_shape(name: str, M: Array, ports: list[str]) -> list[str]:
     if M.ndim != 2 or M.shape[0] != M.shape[1]:
         return [f"the {name} must be square and is {'x'.join(map(str, M.shape))}"]
-    if len(M) < PORTS:
-        return [f"the {name} has {len(M)} coordinates, base and tip alone need {PORTS}"]
+    if len(M) < 6 * len(ports):
+        return [
+            f"the {name} has {len(M)} coordinates, {in_words(ports)} alone need {6 * len(ports)}"
+        ]
     bad = np.argwhere(~np.isfinite(M))
     return [f"{name} entry {i + 1},{j + 1} is {M[i, j]}" for i, j in bad[:1]]
 
@@ -92,54 +94,63 @@ def _indefiniteness(name: str, M: Array) -> list[str]:
     return [f"the {name} is indefinite: an eigenvalue is {share:.2g} of the largest"]
 
 
-def _resistance(K: Array, tip: Array) -> list[str]:
-    """Tell whether the stiffness resists rigid motions of the whole link, and holds its tip."""
-    ports = _statically_reduced(K)
-    size = np.sqrt(np.maximum(np.diag(ports), 0.0))
-    at_tip = size[6:]
-    if (at_tip == 0.0).any() or _smallest_share(ports[6:, 6:] / np.outer(at_tip, at_tip)) <= 0.0:
-        return ["with its base held the link does not hold its tip"]
-    motions = _rigid_motions(tip)
-    forces = np.abs(ports @ motions) / (np.outer(size, size) @ np.abs(motions))
+def _resistance(K: Array, ports: Mapping[str, Frame]) -> list[str]:
+    """Tell whether the stiffness resists rigid motions of the whole link, and holds its ports."""
+    reduced = _statically_reduced(K, 6 + 6 * len(ports))
+    size = np.sqrt(np.maximum(np.diag(reduced), 0.0))
+    loose = _port_not_held(reduced[6:, 6:], size[6:])
+    if loose is not None:
+        return [f"with its base held the link does not hold its {list(ports)[loose]}"]
+    motions = _rigid_motions(places_of(ports))
+    forces = np.abs(reduced @ motions) / (np.outer(size, size) @ np.abs(motions))
     resisted = np.flatnonzero(forces.max(axis=0) > _RIGID)
     if resisted.size == 0:
         return []
     j = int(resisted[0])
     return [
         f"the stiffness resists a rigid motion of the whole link along {DIRECTIONS[j]}"
-        f" ({forces[:, j].max():.2g} of its own size): the order must be base x y z rx ry"
-        " rz, tip x y z rx ry rz, others, and the tip's place must be right"
+        f" ({forces[:, j].max():.2g} of its own size): the order must be"
+        f" {', '.join(f'{port} x y z rx ry rz' for port in [BASE, *ports])}, others, and the"
+        f" {'places of the ports' if len(ports) > 1 else f'place of the {next(iter(ports))}'}"
+        " must be right"
     ]
 
 
-def _smallest_share(M: Array) -> float:
-    """Return the smallest eigenvalue over the largest one, zero where it is rounding."""
-    values = np.linalg.eigvalsh(M)
-    share = float(values[0] / values[-1])
-    return share if abs(share) > _DEFINITE else 0.0
+def _port_not_held(K: Array, size: Array) -> int | None:
+    """Return the index of a port that a stiffness (6p, 6p) with the base held leaves free.
+
+    ``size`` (6p,) is the root of its diagonal.
+    """
+    if (size == 0.0).any():
+        return int(np.argmin(size)) // 6
+    values, vectors = np.linalg.eigh(K / np.outer(size, size))
+    if values[0] > _DEFINITE * values[-1]:
+        return None
+    return int(np.argmax(np.abs(vectors[:, 0]))) // 6
 
 
-def _statically_reduced(K: Array) -> Array:
-    inner = slice(PORTS, None)
-    if len(K) == PORTS:
+def _statically_reduced(K: Array, ports: int) -> Array:
+    """Return a stiffness (6m + n, 6m + n) on its first coordinates, with nothing on the others."""
+    inner = slice(ports, None)
+    if len(K) == ports:
         return K
-    follow = np.linalg.lstsq(K[inner, inner], K[inner, :PORTS], rcond=None)[0]
-    return np.asarray(K[:PORTS, :PORTS] - K[:PORTS, inner] @ follow)
+    follow = np.linalg.lstsq(K[inner, inner], K[inner, :ports], rcond=None)[0]
+    return np.asarray(K[:ports, :ports] - K[:ports, inner] @ follow)
 
 
-def _rigid_motions(tip: Array) -> Array:
-    """Return the twists of base and tip (12, 6) when the link moves as one with its base."""
-    return np.vstack([np.eye(6), twist_shift(tip)])
+def _rigid_motions(places: Array) -> Array:
+    """Return the twists of all ports (6m, 6) when the link moves as one with its base."""
+    return np.vstack([np.eye(6), carried(places)])
 
 
-def given_superelement(K: Array, M: Array) -> Superelement:
-    """Return the superelement of a stiffness and a mass matrix (12 + n, 12 + n), SI.
+def given_superelement(K: Array, M: Array, n_ports: int = 2) -> Superelement:
+    """Return the superelement of a stiffness and a mass matrix (6m + n, 6m + n), SI.
 
-    They must be free of faults (`check_superelement`). Coordinates after the ports' twelve are any:
-    modes, or displacements inside.
+    They must be free of faults (`check_superelement`). Coordinates after those of the m ports are
+    any: modes, or displacements inside.
     """
     K, M = (K + K.T) / 2.0, (M + M.T) / 2.0
-    reduced = craig_bampton(K, M, np.arange(PORTS), None)
+    reduced = craig_bampton(K, M, np.arange(6 * n_ports), None)
     compliance = np.linalg.inv(reduced.stiffness[6:, 6:])
     return Superelement(
         (compliance + compliance.T) / 2.0,
@@ -149,10 +160,13 @@ def given_superelement(K: Array, M: Array) -> Superelement:
     )
 
 
-def rigid_body_of(element: Superelement, tip: Array) -> RigidBody:
-    """Return mass, centre of mass and inertia of a superelement whose tip is at ``tip`` (3,), m."""
-    motions = _rigid_motions(tip)
-    M = motions.T @ element.mass[:PORTS, :PORTS] @ motions
+def rigid_body_of(element: Superelement, places: Array) -> RigidBody:
+    """Return mass, centre of mass and inertia of a superelement.
+
+    Its ports but the base are at ``places`` (m-1, 3), m.
+    """
+    motions = _rigid_motions(places)
+    M = motions.T @ element.mass[: len(motions), : len(motions)] @ motions
     mass = float(np.trace(M[:3, :3])) / 3.0
     if mass <= 0.0:
         return RigidBody(0.0, np.zeros(3), np.zeros((3, 3)))
@@ -162,9 +176,12 @@ def rigid_body_of(element: Superelement, tip: Array) -> RigidBody:
     return RigidBody(mass, center, np.asarray((inertia + inertia.T) / 2.0))
 
 
-def doubts_superelement(element: Superelement, tip: Array) -> list[str]:
-    """Return what looks wrong in the mass of a superelement free of faults."""
-    body = rigid_body_of(element, tip)
+def doubts_superelement(element: Superelement, places: Array) -> list[str]:
+    """Return what looks wrong in the mass of a superelement free of faults.
+
+    Its ports but the base are at ``places`` (m-1, 3), m.
+    """
+    body = rigid_body_of(element, places)
     if body.mass == 0.0:
         return ["the superelement has no mass"]
     return check_inertia(body.mass, body.inertia)

@@ -5,54 +5,64 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from stiffkit.link.line import Line
+from stiffkit.link.ports import relative_to_base
 from stiffkit.link.reduction import craig_bampton
-from stiffkit.spatial import twist_shift
 from stiffkit.spatial.rotation import Array, skew
 
 
 @dataclass(frozen=True, eq=False)
 class Superelement:
-    """A link with two ports: twists of base (6) and tip (6) in link axes, and modal coordinates.
+    """A link with m ports: twists of the base and of each other port (6 each), and modes (n).
 
-    The modes are those with both ports held, of unit modal mass. Being in rest relative to the
-    ports' motion they carry no static load, so the stiffness is that of the ports beside the modes'
-    own, and only the mass couples them.
+    Twists are in link axes, at the ports' origins. The modes are those with all ports held, of unit
+    modal mass. Being in rest relative to the ports' motion they carry no static load, so the
+    stiffness is that of the ports beside the modes' own, and only the mass couples them.
     """
 
     compliance: Array
-    """(6, 6), SI, of the tip with the base held."""
+    """(6(m-1), 6(m-1)), SI, of the ports but the base, in order, with the base held."""
     mode_stiffness: Array
     """(n,), squared angular frequencies of the modes, 1/s^2."""
     mass: Array
-    """(12 + n, 12 + n): base, tip, modes."""
+    """(6m + n, 6m + n): base, other ports, modes."""
     rule: str
     """How the link's mass and elasticity were distributed, in words."""
     stations: Array = field(default_factory=lambda: np.zeros(0))
-    """(s,), m from the base, where the motion inside the link is known; none if it is not."""
+    """(s,), m from the base towards the tip, where the motion inside a link with two ports is
+    known; none if it is not."""
     shapes: Array = field(default_factory=lambda: np.zeros((0, 0)))
     """(6 s, 12 + n): twists at the stations, link axes, for base, tip and modes."""
 
-    def stiffness(self, tip: Array) -> Array:
-        """Return the stiffness (12 + n, 12 + n) of base, tip at ``tip`` (3,) m, and modes."""
-        relative = np.hstack([-twist_shift(tip), np.eye(6)])
-        n = self.mode_stiffness.size
-        K = np.zeros((12 + n, 12 + n))
-        K[:12, :12] = relative.T @ np.linalg.solve(self.compliance, relative)
-        K[:12, :12] = (K[:12, :12] + K[:12, :12].T) / 2.0
-        K[range(12, 12 + n), range(12, 12 + n)] = self.mode_stiffness
+    @property
+    def n_of_ports(self) -> int:
+        """6m, how many coordinates are those of ports."""
+        return len(self.mass) - self.mode_stiffness.size
+
+    def stiffness(self, places: ArrayLike) -> Array:
+        """Return the stiffness (6m + n, 6m + n) of base, other ports at ``places``, and modes.
+
+        ``places`` (m-1, 3), m, may be (3,) where there is one.
+        """
+        relative = relative_to_base(places)
+        own = relative.T @ np.linalg.solve(self.compliance, relative)
+        p = self.n_of_ports
+        K = np.zeros_like(self.mass)
+        K[:p, :p] = (own + own.T) / 2.0
+        K[p:, p:] = np.diag(self.mode_stiffness)
         return K
 
     def lowest(self, n_modes: int | None) -> Superelement:
         """Return the same with its lowest ``n_modes`` only, all if None."""
         n = self.mode_stiffness[:n_modes].size
-        ports = self.mass.shape[0] - self.mode_stiffness.size
+        kept = self.n_of_ports + n
         return replace(
             self,
             mode_stiffness=self.mode_stiffness[:n],
-            mass=self.mass[: ports + n, : ports + n],
-            shapes=self.shapes[:, : ports + n],
+            mass=self.mass[:kept, :kept],
+            shapes=self.shapes[:, :kept],
         )
 
 
@@ -207,8 +217,9 @@ def _reduced(
 
 
 def massless_superelement(compliance: Array) -> Superelement:
-    """Return the superelement of a link without mass."""
-    return Superelement(compliance, np.zeros(0), np.zeros((12, 12)), "massless spring")
+    """Return the superelement of a link without mass, of its compliance (6(m-1), 6(m-1))."""
+    size = 6 + len(compliance)
+    return Superelement(compliance, np.zeros(0), np.zeros((size, size)), "massless spring")
 
 
 def rigid_mass(mass: float, center_of_mass: Array, inertia: Array | None) -> Array:

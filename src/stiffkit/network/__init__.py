@@ -1,7 +1,14 @@
 """The robot as a network of elastic links and joints between rigid clusters."""
 
-from stiffkit.network.coordinates import CoordinatesAtPosture, Model, NetworkCoordinates
+from stiffkit.network.coordinates import (
+    CoordinatesAtPosture,
+    Model,
+    NetworkCoordinates,
+    elements_of,
+)
+from stiffkit.network.coupling import links_of, members, reduce_network
 from stiffkit.network.graph import (
+    Coupled,
     JointPart,
     LinkPart,
     Network,
@@ -10,13 +17,13 @@ from stiffkit.network.graph import (
     Part,
     Series,
     build_network,
-    reduce_series_parallel,
 )
 from stiffkit.network.motions import FreeMotion, Motions
 from stiffkit.network.parts import Looseness, PartsAtTool, add_elasticity, loose_directions
 
 __all__ = [
     "CoordinatesAtPosture",
+    "Coupled",
     "FreeMotion",
     "JointPart",
     "LinkPart",
@@ -32,6 +39,9 @@ __all__ = [
     "Series",
     "add_elasticity",
     "build_network",
+    "elements_of",
+    "links_of",
     "loose_directions",
-    "reduce_series_parallel",
+    "members",
+    "reduce_network",
 ]

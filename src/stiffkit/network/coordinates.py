@@ -1,7 +1,8 @@
 """Coordinates of everything that can move or deform, at single postures.
 
-Every elastic link and every joint contributes coordinates: six elastic deflections and, if asked
-for, the link's internal modes; or the joint's directions that are passive, driven or elastic. Loops
+Every elastic link and every joint contributes coordinates: six elastic deflections for each port
+of the link but its base and, if asked for, the link's internal modes; or the joint's directions
+that are passive, driven or elastic. Loops
 tie the coordinates together exactly, so rigid parts, over-constrained loops, redundant passive
 joints and singular postures need no special care. All numbers are unit-free: lengths are over the
 robot's typical length, and twists are those of the point at the tool, in world axes.
@@ -20,7 +21,7 @@ from stiffkit.compiled import Backend, BatchFunction, Constants, Kernel
 from stiffkit.kinematics import Located, SpanningTree
 from stiffkit.network.graph import JointPart, LinkPart, Network, Node, build_network
 from stiffkit.network.parts import PartsAtTool, add_elasticity, loose_directions
-from stiffkit.robot import Freedom, Joint
+from stiffkit.robot import Freedom, Joint, Link, Robot
 from stiffkit.smallmat import Scalar, Vector, from_lower_triangle, lower_triangle, vector
 
 Array = NDArray[np.float64]
@@ -31,10 +32,11 @@ Model = Literal["refined", "simplified"]
 
 @dataclass(frozen=True, eq=False)
 class _Block:
-    """The coordinates of one edge: how they move its far side, and what holds them."""
+    """The coordinates of a link or a joint: how they move its far sides, and what holds them."""
 
     columns: Array
-    """(6, n), twist for a unit of each coordinate."""
+    """(p, 6, n), twist for a unit of each coordinate, of each of the p edges that it stands for in
+    the network: one for a joint, and one for each port of a link but its base."""
     energy: Array
     """(m, n), so that the energy is |energy x|^2 / 2; passive coordinates have no row."""
     names: tuple[str, ...]
@@ -78,6 +80,7 @@ class NetworkCoordinates:
         self.constants = Constants()
         add_elasticity(self.constants, tree.robot, length)
         self.network: Network = build_network(tree.robot)
+        self._elements = elements_of(self.network, tree.robot)
         self._mode_stiffness = mode_stiffness or {}
         self._parts = BatchFunction(self._parts_kernel(), backend)
 
@@ -89,20 +92,20 @@ class NetworkCoordinates:
     def _parts_kernel(self) -> Kernel:
         """Return the kernel that refers all parts to the tool point.
 
-        Inputs: coordinates of the tree. Outputs, edge by edge: the lower triangle of a link's
-        compliance (21), or the unit twists (6 each) of a joint's loose directions; SI.
+        Inputs: coordinates of the tree. Outputs, part by part: the lower triangle of a link's
+        compliance (21 if it has two ports), or the unit twists (6 each) of a joint's loose
+        directions; SI.
         """
         robot = self.tree.robot
 
         def parts(q: Vector, c: Vector) -> Vector:
             at_tool = PartsAtTool(Located(self.tree, self.constants, q, c), self.constants, c)
             values: list[Scalar] = []
-            for edge in self.network.edges:
-                if isinstance(edge.part, LinkPart):
-                    compliance = at_tool.link_compliance(robot.links[edge.part.name])
-                    values += list(lower_triangle(compliance))
-                elif isinstance(edge.part, JointPart):
-                    for loose in at_tool.joint_looseness(robot.joints[edge.part.name]):
+            for part in self._elements:
+                if isinstance(part, Link):
+                    values += list(lower_triangle(at_tool.whole_compliance(part)))
+                else:
+                    for loose in at_tool.joint_looseness(part):
                         values += list(loose.twist)
             return vector(values)
 
@@ -111,19 +114,18 @@ class NetworkCoordinates:
         return Kernel("parts", parts, self.tree.n_coordinates, self.constants, topology)
 
     def _at(self, values: Array) -> CoordinatesAtPosture:
-        robot = self.tree.robot
         blocks: list[_Block] = []
         start = 0
-        for edge in self.network.edges:
-            if isinstance(edge.part, LinkPart):
-                blocks.append(self._link_block(edge.part.name, values[start : start + 21]))
-                start += 21
-            elif isinstance(edge.part, JointPart):
-                joint = robot.joints[edge.part.name]
-                end = start + 6 * len(loose_directions(joint))
-                blocks.append(self._joint_block(joint, values[start:end].reshape(-1, 6)))
-                start = end
-        loops, motion_of = _loops_and_motions(self.network, [block.columns for block in blocks])
+        for part in self._elements:
+            if isinstance(part, Link):
+                size = 6 * len(part.other_ports)
+                end = start + size * (size + 1) // 2
+                blocks.append(self._link_block(part, values[start:end]))
+            else:
+                end = start + 6 * len(loose_directions(part))
+                blocks.append(self._joint_block(part, values[start:end].reshape(-1, 6)))
+            start = end
+        loops, motion_of = _loops_and_motions(self.network, _steps(blocks))
         return CoordinatesAtPosture(
             loops,
             motion_of,
@@ -132,18 +134,19 @@ class NetworkCoordinates:
             motion_of[self.network.tool],
         )
 
-    def _link_block(self, name: str, lower: Array) -> _Block:
+    def _link_block(self, link: Link, lower: Array) -> _Block:
+        p = len(link.other_ports)
         if self.model == "simplified":
-            return _Block(np.zeros((6, 0)), np.zeros((0, 0)), ())
+            return _Block(np.zeros((p, 6, 0)), np.zeros((0, 0)), ())
         S = np.array(from_lower_triangle(vector(lower.tolist())), dtype=float)
-        unit_free = _lengths_over(self.length)
-        # With S = L L^T a deflection y holds the energy |L^-1 y|^2 / 2.
-        L = np.linalg.cholesky(unit_free @ S @ unit_free)
-        modes = np.sqrt(self._mode_stiffness.get(name, np.zeros(0)))
+        unit_free = np.tile([1.0 / self.length] * 3 + [1.0] * 3, p)
+        # With S = L L^T deflections y hold the energy |L^-1 y|^2 / 2.
+        L = np.linalg.cholesky(unit_free[:, None] * S * unit_free)
+        modes = np.sqrt(self._mode_stiffness.get(link.name, np.zeros(0)))
         return _Block(
-            np.hstack([np.eye(6), np.zeros((6, modes.size))]),
+            np.eye(6 * p, 6 * p + modes.size).reshape(p, 6, -1),
             _block_diagonal([np.linalg.inv(L), np.diag(modes)]),
-            (f"{name}.bending",) * 6 + (f"{name}.mode",) * modes.size,
+            (f"{link.name}.bending",) * 6 * p + (f"{link.name}.mode",) * modes.size,
         )
 
     def _joint_block(self, joint: Joint, twists: Array) -> _Block:
@@ -159,7 +162,17 @@ class NetworkCoordinates:
             roots.append(unit * np.sqrt(joint.stiffness[direction.index]) if held else 0.0)
             names.append(direction.name)
         energy = np.diag(np.array(roots))[np.array(roots) > 0.0]
-        return _Block(np.array(columns).reshape(-1, 6).T, energy, tuple(names))
+        return _Block(np.array(columns).reshape(-1, 6).T[None], energy, tuple(names))
+
+
+def elements_of(network: Network, robot: Robot) -> list[Link | Joint]:
+    """Return the links and joints that the edges of a network belong to, in order, each once."""
+    parts = [edge.part for edge in network.edges]
+    found = [robot.links[part.name] for part in parts if isinstance(part, LinkPart)]
+    return [
+        *dict.fromkeys(found),
+        *(robot.joints[part.name] for part in parts if isinstance(part, JointPart)),
+    ]
 
 
 def _lengths_over(length: float) -> Array:
@@ -175,10 +188,24 @@ def _block_diagonal(blocks: list[Array]) -> Array:
     return result
 
 
-def _loops_and_motions(network: Network, columns: list[Array]) -> tuple[Array, dict[Node, Array]]:
+def _steps(blocks: list[_Block]) -> list[Array]:
+    """Return the twists (6, n) across the edges, in their order, for a unit of each coordinate."""
+    n = sum(len(block.names) for block in blocks)
+    steps, start = [], 0
+    for block in blocks:
+        end = start + len(block.names)
+        for columns in block.columns:
+            step = np.zeros((6, n))
+            step[:, start:end] = columns
+            steps.append(step)
+        start = end
+    return steps
+
+
+def _loops_and_motions(network: Network, steps: list[Array]) -> tuple[Array, dict[Node, Array]]:
     """Return the loop equations (6 n_loops, n) and the twist (6, n) of each rigid cluster."""
-    ends = np.cumsum([0, *(block.shape[1] for block in columns)])
-    motion_of: dict[Node, Array] = {network.base: np.zeros((6, ends[-1]))}
+    n = steps[0].shape[1] if steps else 0
+    motion_of: dict[Node, Array] = {network.base: np.zeros((6, n))}
     loops = []
     waiting = list(enumerate(network.edges))
     while waiting:
@@ -187,12 +214,11 @@ def _loops_and_motions(network: Network, columns: list[Array]) -> tuple[Array, d
             break
         waiting.remove(ready)
         i, edge = ready
-        step = np.zeros((6, ends[-1]))
-        step[:, ends[i] : ends[i + 1]] = columns[i]
+        step = steps[i]
         if edge.a in motion_of and edge.b in motion_of:
             loops.append(motion_of[edge.a] + step - motion_of[edge.b])
         elif edge.a in motion_of:
             motion_of[edge.b] = motion_of[edge.a] + step
         else:
             motion_of[edge.a] = motion_of[edge.b] - step
-    return np.concatenate([np.zeros((0, ends[-1])), *loops]), motion_of
+    return np.concatenate([np.zeros((0, n)), *loops]), motion_of

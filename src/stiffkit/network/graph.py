@@ -1,4 +1,8 @@
-"""The robot as a network of two-terminal parts between base and tool, in series and parallel."""
+"""The robot as a network of parts between rigid clusters, and its series-parallel reduction.
+
+An elastic link stands in it as a star: one part from its base to each of its other ports. What two
+of them do under load is coupled by the link's compliance.
+"""
 
 from __future__ import annotations
 
@@ -12,9 +16,10 @@ Node = Hashable
 
 @dataclass(frozen=True)
 class LinkPart:
-    """An elastic link, from its base port to its tip port."""
+    """An elastic link, from its base port to another one."""
 
     name: str
+    port: str = "tip"
 
 
 @dataclass(frozen=True)
@@ -38,7 +43,14 @@ class Parallel:
     parts: tuple[Part, ...]
 
 
-Part = LinkPart | JointPart | Series | Parallel
+@dataclass(frozen=True)
+class Coupled:
+    """Chains between the same two bodies that begin or end at different ports of the same links."""
+
+    chains: tuple[Part, ...]
+
+
+Part = LinkPart | JointPart | Series | Parallel | Coupled
 
 
 @dataclass(frozen=True)
@@ -58,7 +70,7 @@ class Network:
     tool: Node
     edges: tuple[Edge, ...] = field(repr=False)
     clusters: Mapping[Node, Node] = field(repr=False, compare=False)
-    """The cluster that each (body, "base" or "tip") belongs to."""
+    """The cluster that each (body, port) belongs to; a rigid body has its "base" only."""
 
     def cluster_of(self, body: str, port: str) -> Node:
         """Return the rigid cluster that a port of a body belongs to.
@@ -79,12 +91,13 @@ def build_network(robot: Robot) -> Network:
 
     def side(body: str, port: str) -> Node:
         elastic = body != BASE and robot.links[body].compliance is not None
-        return (body, "tip") if elastic and port == "tip" else (body, "base")
+        return (body, port if elastic else BASE)
 
     edges: list[tuple[Node, Node, Part]] = [
-        ((name, "base"), (name, "tip"), LinkPart(name))
+        ((name, BASE), (name, port), LinkPart(name, port))
         for name, link in robot.links.items()
         if link.compliance is not None
+        for port in link.other_ports
     ]
     for joint in robot.joints.values():
         a = side(joint.from_body, joint.from_port)
@@ -111,18 +124,25 @@ def is_rigid(joint: Joint) -> bool:
 def reduce_series_parallel(network: Network) -> Part | None:
     """Return the network as one part between base and tool, None if it is not series-parallel.
 
-    Branches that end nowhere carry no load and are left out.
+    Branches that end nowhere carry no load and are left out. That the parts of a link with more
+    than two ports are coupled is for `stiffkit.network.coupling` to judge.
     """
-    edges = list(network.edges)
     ends = {network.base, network.tool}
+    edges = loaded_edges(network)
     if network.base == network.tool:
         return None
     while True:
-        reduced = _merge_parallel(_merge_series(_without_dead_ends(edges, ends), ends))
+        loaded = _without_dead_ends([edge for edge in edges if edge.a != edge.b], ends)
+        reduced = _merge_parallel(_merge_series(loaded, ends))
         if len(reduced) == len(edges):
             break
         edges = reduced
     return edges[0].part if len(edges) == 1 else None
+
+
+def loaded_edges(network: Network) -> list[Edge]:
+    """Return the edges but those of branches that end nowhere."""
+    return _without_dead_ends(list(network.edges), {network.base, network.tool})
 
 
 def _degrees(edges: list[Edge]) -> dict[Node, list[Edge]]:
@@ -139,8 +159,7 @@ def _without_dead_ends(edges: list[Edge], ends: set[Node]) -> list[Edge]:
         kept = [
             edge
             for edge in edges
-            if edge.a != edge.b
-            and all(node in ends or len(at[node]) > 1 for node in (edge.a, edge.b))
+            if all(node in ends or len(at[node]) > 1 for node in (edge.a, edge.b))
         ]
         if len(kept) == len(edges):
             return kept

@@ -20,6 +20,7 @@ from stiffkit.smallmat import (
     matmul,
     minus,
     plus,
+    scale,
     skew,
     subtract,
     symmetric,
@@ -33,10 +34,11 @@ def add_elasticity(constants: Constants, robot: Robot, length: float) -> None:
     constants.add("length", np.array([length]))
     for name, link in robot.links.items():
         if link.compliance is not None:
-            add_frame(constants, f"tip:{name}", link.ports["tip"])
+            for port in link.other_ports:
+                add_frame(constants, f"port:{name}.{port}", link.ports[port])
             constants.add_symmetric(f"compliance:{name}", link.compliance)
     for name, joint in robot.joints.items():
-        constants.add(f"compliance:{name}", joint_compliance(joint))
+        constants.add(f"compliance of joint:{name}", joint_compliance(joint))
 
 
 def joint_compliance(joint: Joint) -> NDArray[np.float64]:
@@ -102,18 +104,54 @@ class PartsAtTool:
         """The robot's typical length, m."""
         return self._constants.read(self._c, "length")[0]
 
-    def link_compliance(self, link: Link) -> Matrix:
-        """Return the compliance (6, 6) of an elastic link."""
+    def link_compliance(self, link: Link, port: str) -> Matrix:
+        """Return the compliance (6, 6) of a port of an elastic link, under loads there."""
+        R = self.located.body(link.name).R
+        return _moved(self._given(link, port, port), R, self._arm(link, port))
+
+    def link_coupling(self, link: Link, port: str, other: str) -> Matrix:
+        """Return the compliance (6, 6) of a port under loads at another port of the same link."""
+        transforms = self.from_port(link, port), self.from_port(link, other)
+        return matmul(matmul(transforms[0], self._given(link, port, other)), transforms[1].T)
+
+    def whole_compliance(self, link: Link) -> Matrix:
+        """Return the compliance (6p, 6p) of the p ports of an elastic link but its base."""
+        ports = link.other_ports
+        S = zeros(6 * len(ports), 6 * len(ports))
+        for i, port in enumerate(ports):
+            rows = slice(6 * i, 6 * i + 6)
+            S[rows, rows] = self.link_compliance(link, port)
+            for j, other in enumerate(ports[:i]):
+                columns = slice(6 * j, 6 * j + 6)
+                S[rows, columns] = self.link_coupling(link, port, other)
+                S[columns, rows] = S[rows, columns].T
+        return S
+
+    def from_port(self, link: Link, port: str) -> Matrix:
+        """Return the 6x6 matrix from a twist at a link's port, link axes, to the tool point."""
+        R = self.located.body(link.name).R
+        T = zeros(6, 6)
+        T[:3, :3] = T[3:, 3:] = R
+        T[:3, 3:] = scale(-1.0, matmul(skew(self._arm(link, port)), R))
+        return T
+
+    def _given(self, link: Link, port: str, other: str) -> Matrix:
+        """Return the block (6, 6) of a link's compliance that stands in its data."""
         S = self._constants.read_symmetric(self._c, f"compliance:{link.name}")
+        i, j = link.other_ports.index(port), link.other_ports.index(other)
+        return S[6 * i : 6 * i + 6, 6 * j : 6 * j + 6]
+
+    def _arm(self, link: Link, port: str) -> Vector:
+        """Return the way (3,) from a link's port to the tool point."""
         body = self.located.body(link.name)
-        tip = plus(matmul(body.R, self.located.constant(f"tip:{link.name}").p), body.p)
-        return _moved(S, body.R, minus(self._point, tip))
+        place = plus(matmul(body.R, self.located.constant(f"port:{link.name}.{port}").p), body.p)
+        return minus(self._point, place)
 
     def joint_looseness(self, joint: Joint) -> list[Looseness]:
         """Return what a joint lets happen, in the order of `loose_directions`."""
         point, axes = self.located.directions(joint)
         arm = minus(self._point, point)
-        compliance = self._constants.read(self._c, f"compliance:{joint.name}")
+        compliance = self._constants.read(self._c, f"compliance of joint:{joint.name}")
         return [
             Looseness(
                 direction,

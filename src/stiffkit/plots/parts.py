@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from stiffkit.fea import Part
 from stiffkit.fea.cad_link import CadLink
+from stiffkit.link.ports import BASE
 from stiffkit.plots import style
 
 Array = NDArray[np.float64]
@@ -72,15 +73,15 @@ def face_figure(part: Part) -> Figure:
 
 @style.styled
 def mesh_figure(link: CadLink) -> Figure:
-    """Return a picture of the mesh's surface in link axes, with base and tip."""
+    """Return a picture of the mesh's surface in link axes, with the ports."""
     surface = link.solved.surface
     figure = style.new_figure(style.COLUMN, style.COLUMN)
     low, high = surface.points.min(axis=0), surface.points.max(axis=0)
     axes = _space(figure, 1, 1, 1, low, high, _VIEW)
     edges = len(surface.triangles) <= _DRAWN
     _add_triangles(axes, 1e3 * surface.points[surface.triangles], edges=edges)
-    tip = link.solved.T_link_tip.position
-    for name, point in (("base", np.zeros(3)), ("tip", tip)):
+    places = {name: frame.position for name, frame in link.solved.ports.items()}
+    for name, point in {BASE: np.zeros(3), **places}.items():
         axes.plot(*(1e3 * point[:, None]), "o", color="#b00020", zorder=1e6)
         axes.text(*(1e3 * point), f"  {name}", color="#b00020", zorder=1e6)
     return figure
@@ -88,9 +89,10 @@ def mesh_figure(link: CadLink) -> Figure:
 
 @style.styled
 def shapes_figure(link: CadLink) -> Figure:
-    """Return the deformed shapes under the six loads at the tip, each to a scale of its own."""
+    """Return the deformed shapes under the six loads at each port, each to a scale of its own."""
     surface = link.solved.surface
-    figure = style.new_figure(style.PAGE, 0.7 * style.PAGE)
+    names = list(link.solved.ports)
+    figure = style.new_figure(style.PAGE, 0.7 * style.PAGE * len(names))
     span = float(np.linalg.norm(np.ptp(surface.points, axis=0)))
     size = np.linalg.norm(surface.displacements, axis=1)
     moved = [
@@ -100,11 +102,12 @@ def shapes_figure(link: CadLink) -> Figure:
     low = np.min([points.min(axis=0) for points in moved], axis=0)
     high = np.max([points.max(axis=0) for points in moved], axis=0)
     for k, points in enumerate(moved):
-        axes = _space(figure, 2, 3, k + 1, low, high, _VIEW)
+        axes = _space(figure, 2 * len(names), 3, k + 1, low, high, _VIEW)
         axes.set_axis_off()
         share = size[surface.triangles, k].mean(axis=1) / max(float(size[:, k].max()), 1e-300)
         _add_triangles(axes, 1e3 * points[surface.triangles], edges=False, values=share)
-        style.set_title(axes, _LOADS[k])
+        load, at = _LOADS[k % 6], f" at {names[k // 6]}" if len(names) > 1 else ""
+        style.set_title(axes, f"{load}{at}")
     return figure
 
 

@@ -13,9 +13,16 @@ from numpy.typing import NDArray
 
 from stiffkit import __version__
 from stiffkit.fea.cad_link import CadLink
+from stiffkit.link.ports import BASE, in_words
+from stiffkit.report.link_readings import readings_section
 from stiffkit.report.page import asset, write_text
 from stiffkit.report.tables import bullet_list, card, pair_table
 from stiffkit.robot import DIRECTIONS
+
+_WHOLE = (
+    '<p class="hint">Each port under loads at itself, the others free. The whole matrix, with what'
+    " a load at one port does at another, stands in the link file.</p>"
+)
 
 
 def write_link_page(link: CadLink, figures: Sequence[Path], path: Path) -> None:
@@ -30,17 +37,21 @@ def _page(link: CadLink, figures: Sequence[Path]) -> str:
     shown = {path.stem: path for path in figures if path.suffix == ".png"}
     millimetres = np.ones((6, 6))
     millimetres[:3, :3], millimetres[3:, 3:] = 1e3, 1e-3
-    kinds = {name: one["interface"] for name, one in link.solved.facts["interfaces"].items()}
-    scope = f"Tip {kinds['tip']}, base {kinds['base']}, from {link.spec.cad.name}."
+    interfaces = link.solved.facts["interfaces"].items()
+    kinds = ", ".join(f"{name} {one['interface']}" for name, one in reversed(interfaces))
+    scope = f"{kinds[:1].upper()}{kinds[1:]}, from {link.spec.cad.name}."
     return Template(asset("link.html")).substitute(
         title=escape(link.spec.title),
         scope=escape(scope),
         version=escape(__version__),
         style=asset("page.css"),
         cards=_cards(link),
-        compliance_mm=_matrix(millimetres * link.compliance),
-        compliance_si=_matrix(link.compliance),
+        compliance_mm=_compliances(link, millimetres),
+        compliance_si=_compliances(link, np.ones((6, 6))),
+        whole=_WHOLE if len(link.solved.ports) > 1 else "",
+        beams=_beams(link),
         interfaces=pair_table(_interfaces(link)),
+        readings=readings_section(link),
         steps=_steps(link),
         convergence=_image(shown, "convergence"),
         mesh=_image(shown, "mesh"),
@@ -66,13 +77,24 @@ def _cards(link: CadLink) -> str:
             ),
             card("Mass", f"{solved.mass:.4g}", "kg", "by the CAD kernel's volume"),
             card("Unknowns", f"{solved.facts['unknowns']}", "", f"order {solved.facts['order']}"),
-            card("First mode", first, "Hz", "with base and tip held"),
+            card("First mode", first, "Hz", f"with {in_words([BASE, *solved.ports])} held"),
         ]
     )
 
 
 def _percent(share: float | None) -> str:
     return "–" if share is None else f"{100.0 * share:.2g}"
+
+
+def _compliances(link: CadLink, units: NDArray[np.float64]) -> str:
+    """Return the compliance of each port under loads at itself, times ``units`` (6, 6)."""
+    ports = list(link.solved.ports)
+    tables = []
+    for at, name in enumerate(ports):
+        own = slice(6 * at, 6 * at + 6)
+        head = f"<h3>{escape(name)}</h3>" if len(ports) > 1 else ""
+        tables.append(f"{head}{_matrix(units * link.compliance[own, own])}")
+    return "".join(tables)
 
 
 def _matrix(k: NDArray[np.float64]) -> str:
@@ -83,6 +105,29 @@ def _matrix(k: NDArray[np.float64]) -> str:
     )
     head = f"<thead><tr><th></th>{heads}</tr></thead>"
     return f'<table class="figures">{head}<tbody>{rows}</tbody></table>'
+
+
+def _beams(link: CadLink) -> str:
+    """Return the section about approximations by beams; nothing where there are none."""
+    if not link.beams:
+        return ""
+    millimetres = np.repeat([1e3, 1e-3], 3)
+    rows = [_beam_row("finite elements", millimetres * np.diag(link.compliance), "{:.3e}")]
+    for one in link.beams:
+        gap = f", ends {1e3 * one.gap:.3g} mm from the tip" if one.has_gap else ""
+        rows.append(_beam_row(one.name + gap, millimetres * np.diag(one.compliance), "{:.3e}"))
+        rows.append(_beam_row("over finite elements", one.ratios(link.compliance), "{:.3f}"))
+    heads = "".join(f'<th scope="col">k{i}{i}</th>' for i in range(1, 7))
+    table = (
+        f'<table class="figures"><thead><tr><th></th>{heads}</tr></thead>'
+        f"<tbody>{''.join(rows)}</tbody></table>"
+    )
+    return Template(asset("link_beams.html")).substitute(table=table)
+
+
+def _beam_row(name: str, values: NDArray[np.float64], form: str) -> str:
+    cells = "".join(f"<td>{form.format(x)}</td>" for x in values)
+    return f'<tr><th scope="row">{escape(name)}</th>{cells}</tr>'
 
 
 def _interfaces(link: CadLink) -> list[tuple[str, str]]:
@@ -99,7 +144,7 @@ def _steps(link: CadLink) -> str:
     heads = ("mesh", "order", "elements", "unknowns", "seconds", "estimate, %", "from last, %")
     top = "".join(f'<th scope="col">{head}</th>' for head in heads)
     rows = "".join(
-        f"<tr><td>{step.mesh}</td><td>{step.order}</td><td>{step.elements}</td>"
+        f"<tr><td>{step.mesh}</td><td>{step.orders}</td><td>{step.elements}</td>"
         f"<td>{step.unknowns}</td><td>{step.seconds:.1f}</td><td>{_percent(step.estimate)}</td>"
         f"<td>{_percent(step.change)}</td></tr>"
         for step in link.solved.steps

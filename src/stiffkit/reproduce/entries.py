@@ -30,6 +30,8 @@ class Entry:
     """Whether the printed number is an error of rounding, which ours must not exceed."""
     why: str = ""
     """Why the two differ, where that is known."""
+    converged: float | None = None
+    """What a solution without the error of the mesh gives, where there is one."""
 
     @property
     def verdict(self) -> Verdict:
@@ -41,13 +43,20 @@ class Entry:
         agrees = abs(self.ours - float(self.printed)) <= 0.5 * unit * (1.0 + 1e-9)
         return Verdict.AGREES if agrees else Verdict.DIFFERS
 
+    @property
+    def deviation(self) -> float:
+        """Ours from the printed number, relative to it."""
+        return self.ours / float(self.printed) - 1.0
+
     def as_json(self) -> dict[str, Any]:
         """Return plain data for JSON."""
         return {
             "where": self.where,
             "printed": self.printed,
             "ours": self.ours,
+            "converged": self.converged,
             "unit": self.unit,
+            "deviation": self.deviation,
             "verdict": self.verdict.value,
             "why": self.why or None,
         }

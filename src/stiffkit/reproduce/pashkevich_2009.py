@@ -1,4 +1,4 @@
-"""Sections 3.3 and 3.5 of Pashkevich 2009: deflections from a cubic field of points.
+"""Pashkevich 2009: sections 3.3 and 3.5, deflections from a cubic field of points, and section 4.
 
 A. Pashkevich, A. Klimchik, D. Chablat, P. Wenger, "Accuracy improvement for stiffness modeling of
 parallel manipulators", Proc. 42nd CIRP Conference on Manufacturing Systems, 2009. A cube of 10 mm
@@ -13,8 +13,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stiffkit.fea import is_installed
 from stiffkit.identify import Estimator, Field, fit, precision
+from stiffkit.reproduce.cantilever_entries import cantilever_entries
 from stiffkit.reproduce.entries import Entry
+from stiffkit.reproduce.pashkevich_2009_cantilever import (
+    MESHINGS,
+    USUAL,
+    Cantilever,
+    Progress,
+    study_cantilever,
+)
+from stiffkit.reproduce.pashkevich_2009_orthoglide import Orthoglide, study_orthoglide
 from stiffkit.spatial import axis_rotation
 from stiffkit.spatial.rotation import Array
 
@@ -83,12 +93,25 @@ class Reproduction:
 
     entries: tuple[Entry, ...]
     noise: NoiseStudy
+    cantilever: Cantilever | None
+    """Section 4; None where the library for finite elements is missing."""
+    orthoglide: Orthoglide
+    """Section 5."""
 
 
-def reproduce() -> Reproduction:
-    """Compute Tables 2 and 3, and section 3.5 with its figures 1 and 2."""
-    noise = study_noise()
-    return Reproduction((*_table_2(), *_table_3(), *_section_3_5(noise)), noise)
+def reproduce(*, full: bool = False, progress: Progress | None = None) -> Reproduction:
+    """Compute Tables 2, 3, 5, 7 and 8, sections 3.5 and 4 with figures 1 to 3, and section 5.
+
+    ``full`` solves the meshes of Table 5 that take minutes too. ``progress`` is told what is being
+    done and the share that is done.
+    """
+    noise, orthoglide = study_noise(), study_orthoglide(progress)
+    entries = [*_table_2(), *_table_3(), *_section_3_5(noise)]
+    if not is_installed():
+        return Reproduction(tuple(entries), noise, None, orthoglide)
+    cantilever = study_cantilever(MESHINGS if full else USUAL, progress)
+    entries += cantilever_entries(cantilever)
+    return Reproduction(tuple(entries), noise, cantilever, orthoglide)
 
 
 def _table_2() -> list[Entry]:

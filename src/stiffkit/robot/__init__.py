@@ -1,6 +1,6 @@
 """What a robot is, and how a robot file becomes one."""
 
-from stiffkit.robot.catalogue import list_robots
+from stiffkit.robot.catalogue import CatalogueRobot, describe_robots, list_robots
 from stiffkit.robot.loader import load_robot
 from stiffkit.robot.model import (
     BASE,
@@ -20,6 +20,7 @@ from stiffkit.robot.place import with_place
 __all__ = [
     "BASE",
     "DIRECTIONS",
+    "CatalogueRobot",
     "Freedom",
     "Home",
     "Joint",
@@ -29,6 +30,7 @@ __all__ = [
     "Robot",
     "Tool",
     "Workspace",
+    "describe_robots",
     "list_robots",
     "load_robot",
     "with_place",

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 from stiffkit.errors import FileError
 from stiffkit.files.names import suggest
+from stiffkit.files.source import read_source
+from stiffkit.files.tree import read_tree
 
 _FOLDER = Path(__file__).with_name("catalogue")
 _SUFFIX = ".yaml"
@@ -15,6 +19,38 @@ _SUFFIX = ".yaml"
 def list_robots() -> tuple[str, ...]:
     """Return the names of the catalogue's robots, sorted."""
     return tuple(sorted(path.stem for path in _FOLDER.glob("*" + _SUFFIX)))
+
+
+@dataclass(frozen=True)
+class CatalogueRobot:
+    """A robot of the catalogue, as far as its file tells without being loaded."""
+
+    name: str
+    title: str
+    from_cad: bool
+    """Whether links are solved by finite elements when the robot is loaded for the first time."""
+
+
+def describe_robots() -> tuple[CatalogueRobot, ...]:
+    """Return what the catalogue holds, sorted by name."""
+    return tuple(_describe(name) for name in list_robots())
+
+
+def _describe(name: str) -> CatalogueRobot:
+    source = read_source(_FOLDER / (name + _SUFFIX))
+    root = read_tree(source)
+    title = root.child("robot")
+    from_cad = any(key == "cad" for key in _keys(root.plain()))
+    return CatalogueRobot(name, "" if title is None else str(title.value), from_cad)
+
+
+def _keys(plain: object) -> Iterator[str]:
+    """Yield every key of a file, however deep."""
+    if isinstance(plain, dict):
+        yield from plain
+        plain = list(plain.values())
+    for value in plain if isinstance(plain, list) else ():
+        yield from _keys(value)
 
 
 def find_robot(path_or_name: str | Path) -> Path:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -13,16 +14,16 @@ from stiffkit.files.names import suggest
 from stiffkit.files.problems import Problems
 from stiffkit.link.beam import beam_compliance, beam_inertia
 from stiffkit.link.checks import doubts_compliance, doubts_inertia
-from stiffkit.link.file import LinkFile, find_link_file, is_link_file, read_link_file, read_tip
+from stiffkit.link.file import LinkFile, find_link_file, is_link_file, read_link_file
 from stiffkit.link.given import read_compliance, read_inertia
 from stiffkit.link.line import beam_line
 from stiffkit.link.materials import Material
+from stiffkit.link.ports import TIP, read_ports
 from stiffkit.link.written import read_material, read_section
 from stiffkit.robot.model import BASE, Array, Link
 from stiffkit.spatial import Frame
 from stiffkit.units import LENGTH, MASS
 
-TIP = "tip"
 BODIES = ("beam", "rigid", "compliance", "cad")
 
 Fields = dict[str, Entry]
@@ -150,7 +151,7 @@ class _LinkReader:
         actual_mass = mass if own_mass is None else own_mass
         return Link(
             self.name,
-            _two_ports(Frame.at(length)),
+            {BASE: Frame(), TIP: Frame.at(length)},
             compliance=compliance,
             mass=actual_mass,
             center_of_mass=self.center(center),
@@ -162,11 +163,12 @@ class _LinkReader:
     def given(self, entry: Entry) -> Link:
         if isinstance(entry.node.value, str):
             return self.from_file(read_link_file(find_link_file(entry)), entry.text())
-        compliance, repairs = read_compliance(entry)
+        ports = read_ports(entry)
+        compliance, repairs = read_compliance(entry, list(ports))
         self.notes.extend(repairs)
         return Link(
             self.name,
-            _two_ports(read_tip(entry)),
+            {BASE: Frame(), **ports},
             compliance=compliance,
             mass=self.mass(),
             center_of_mass=self.center(None),
@@ -183,7 +185,7 @@ class _LinkReader:
         else:
             spec = read_inline_spec(entry, self.name, self.materials)
         found = link_from_cad(spec, self.progress)
-        return self.from_file(found.link, f"cad {spec.cad.name}")
+        return replace(self.from_file(found.link, f"cad {spec.cad.name}"), cad=found)
 
     def from_file(self, found: LinkFile, origin: str) -> Link:
         self.notes.extend(found.notes)
@@ -195,7 +197,7 @@ class _LinkReader:
         mass = self.mass()
         return Link(
             self.name,
-            _two_ports(found.T_link_tip),
+            {BASE: Frame(), **found.ports},
             compliance=found.compliance,
             mass=found.mass if mass is None else mass,
             center_of_mass=self.center(found.center_of_mass),
@@ -265,7 +267,3 @@ def _find_spec(entry: Entry) -> Path:
             f"there is no file '{path}'", "its name is taken relative to the robot file"
         )
     return path
-
-
-def _two_ports(tip: Frame) -> dict[str, Frame]:
-    return {BASE: Frame(), TIP: tip}

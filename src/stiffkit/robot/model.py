@@ -9,12 +9,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stiffkit.link import Line, Superelement
 from stiffkit.spatial import Frame
+
+if TYPE_CHECKING:
+    from stiffkit.fea import CadLink
 
 Array = NDArray[np.float64]
 
@@ -38,15 +42,15 @@ class Freedom(Enum):
 class Link:
     """A body with ports.
 
-    An elastic link has the two ports "base" and "tip"; its compliance is that of the tip with the
-    base clamped, at the tip's origin, in the axes of the link frame. A rigid link has any number.
+    The port "base" is at the link's origin. The compliance of an elastic link is that of its other
+    ports, each at its origin, with the base clamped, in the axes of the link frame.
     """
 
     name: str
     ports: Mapping[str, Frame]
-    """T_link_port of each port."""
+    """T_link_port of each port; "base" first."""
     compliance: Array | None = None
-    """6x6, SI, positive definite; None for a rigid link."""
+    """(6(m-1), 6(m-1)), SI, positive definite, of m ports; None for a rigid link."""
     mass: float | None = None
     """kg."""
     center_of_mass: Array | None = None
@@ -63,6 +67,13 @@ class Link:
     """SHA-256 of the link file, where there is one."""
     covariance: Array | None = None
     """(36, 36), SI, of the elements of the compliance row by row, where it was identified."""
+    cad: CadLink | None = None
+    """The part that the link is, with its interfaces and solution, where it was given by CAD."""
+
+    @property
+    def other_ports(self) -> tuple[str, ...]:
+        """The ports but the base, in the order of the compliance."""
+        return tuple(name for name in self.ports if name != BASE)
 
 
 @dataclass(frozen=True, eq=False)

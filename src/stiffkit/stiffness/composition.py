@@ -9,17 +9,19 @@ import numpy as np
 from stiffkit.compiled import Constants, Kernel
 from stiffkit.kinematics import Located, SpanningTree
 from stiffkit.network import (
+    Coupled,
     JointPart,
     LinkPart,
     Looseness,
     Parallel,
     Part,
     PartsAtTool,
-    Series,
     add_elasticity,
     build_network,
+    links_of,
     loose_directions,
-    reduce_series_parallel,
+    members,
+    reduce_network,
 )
 from stiffkit.robot import Freedom, Robot
 from stiffkit.smallmat import (
@@ -36,6 +38,7 @@ from stiffkit.smallmat import (
     series,
     smallest,
     soften,
+    symmetric,
     vector,
     zeros,
 )
@@ -71,7 +74,7 @@ class Composition:
         """Reduce the robot's network; `available` tells whether that was possible."""
         self.tree = tree
         self.robot: Robot = tree.robot
-        self.part = reduce_series_parallel(build_network(self.robot))
+        self.part = reduce_network(build_network(self.robot))
         self.constants = Constants()
         add_elasticity(self.constants, self.robot, length)
 
@@ -84,10 +87,10 @@ class Composition:
         """Tell whether the stiffness of a part is finite, by counting its directions."""
         if isinstance(part, Parallel):
             return all(self._has_stiffness(p) for p in part.parts)
-        parts = part.parts if isinstance(part, Series) else (part,)
+        parts = members(part)
         if any(isinstance(p, Parallel) for p in parts):
             return all(self._has_stiffness(p) for p in parts if isinstance(p, Parallel))
-        if any(isinstance(p, LinkPart) for p in parts):
+        if any(isinstance(p, LinkPart | Coupled) for p in parts):
             return True
         loose = sum(
             len(loose_directions(self.robot.joints[p.name]))
@@ -134,14 +137,51 @@ class Composition:
                 held = self._held(branch, parts)
                 K, scale = plus(K, held.stiffness), plus(scale, held.scale)
             return _Held(K, scale)
+        if isinstance(part, Coupled):
+            return self._held_together(part, parts)
+        return _held_by_chain(self._chain(part, parts), parts.length)
+
+    def _chain(self, part: Part, parts: PartsAtTool) -> _Chain:
         chain = _Chain()
-        for p in part.parts if isinstance(part, Series) else (part,):
+        for p in members(part):
             self._append(chain, p, parts)
-        return _held_by_chain(chain, parts.length)
+        return chain
+
+    def _held_together(self, part: Coupled, parts: PartsAtTool) -> _Held:
+        """Return the stiffness of coupled chains, by the twists of all their ends side by side."""
+        n = len(part.chains)
+        chains = [self._chain(chain, parts) for chain in part.chains]
+        S = self._whole_compliance(part, chains, parts)
+        for at, chain in enumerate(chains):
+            for soft in chain.soft:
+                S = outer_sum(S, _among(soft.twist, at, n), soft.compliance)
+        K = factor(S).inverse()
+        passive = [
+            _among(loose.twist, at, n) for at, chain in enumerate(chains) for loose in chain.passive
+        ]
+        locked = _with_one_end(K)
+        return _Held(_with_one_end(release(K, passive)), vector(locked[i, i] for i in range(6)))
+
+    def _whole_compliance(self, part: Coupled, chains: list[_Chain], parts: PartsAtTool) -> Matrix:
+        """Return the compliance (6n, 6n) of the ends of n coupled chains, all by their links."""
+        S = zeros(6 * len(chains), 6 * len(chains))
+        for a, chain in enumerate(chains):
+            own = slice(6 * a, 6 * a + 6)
+            S[own, own] = zeros(6, 6) if chain.compliance is None else chain.compliance
+            for b in range(a):
+                other = slice(6 * b, 6 * b + 6)
+                for first in links_of(part.chains[a]):
+                    for second in links_of(part.chains[b]):
+                        if first.name == second.name:
+                            link = self.robot.links[first.name]
+                            coupling = parts.link_coupling(link, first.port, second.port)
+                            S[own, other] = plus(S[own, other], coupling)
+                S[other, own] = S[own, other].T
+        return S
 
     def _append(self, chain: _Chain, part: Part, parts: PartsAtTool) -> None:
         if isinstance(part, LinkPart):
-            S = parts.link_compliance(self.robot.links[part.name])
+            S = parts.link_compliance(self.robot.links[part.name], part.port)
             chain.compliance = S if chain.compliance is None else plus(chain.compliance, S)
         elif isinstance(part, JointPart):
             for loose in parts.joint_looseness(self.robot.joints[part.name]):
@@ -149,6 +189,23 @@ class Composition:
                 (chain.passive if passive else chain.soft).append(loose)
         else:
             chain.groups.append(self._held(part, parts))
+
+
+def _among(twist: Vector, at: int, n: int) -> Vector:
+    """Return a twist (6,) at the place that it has among n of them."""
+    whole = zeros(6 * n)
+    whole[6 * at : 6 * at + 6] = twist
+    return whole
+
+
+def _with_one_end(K: Matrix) -> Matrix:
+    """Return the stiffness (6, 6) of chains (6n, 6n) whose ends move as one."""
+    blocks = [slice(6 * i, 6 * i + 6) for i in range(K.shape[0] // 6)]
+    total = zeros(6, 6)
+    for rows in blocks:
+        for columns in blocks:
+            total = plus(total, K[rows, columns])
+    return symmetric(6, lambda i, j: total[i, j])
 
 
 def _held_by_chain(chain: _Chain, length: Scalar) -> _Held:

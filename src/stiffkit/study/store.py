@@ -37,8 +37,10 @@ MODES = Kind("study of modes", ("modes.html",), ("modes",))
 REPRODUCTION = Kind(
     "reproduction",
     ("reproduction.json",),
-    tuple(f"figure-{n}.{kind}" for n in (1, 2) for kind in ("svg", "png")),
+    tuple(f"figure-{n}.{kind}" for n in (1, 2, 3) for kind in ("svg", "png")),
 )
+
+VERIFICATION = Kind("verification", ("verify.json",), ())
 
 FACES = Kind("picture of faces", ("faces.png",), ("faces.svg",))
 

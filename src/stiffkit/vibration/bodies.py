@@ -81,12 +81,12 @@ def make_bodies(robot: Robot, how: Discretisation) -> Bodies:
 def link_line(link: Link) -> Line | None:
     """Return an elastic link as a line; None where its mass goes along with its base.
 
-    That is so where the tip lies at the base, or the centre of mass so near to it that no mass
-    spread along the link could have it there.
+    That is so where the link has more than two ports, where the tip lies at the base, or the centre
+    of mass so near to it that no mass spread along the link could have it there.
     """
-    if link.line is not None:
+    if link.line is not None or len(link.other_ports) != 1:
         return link.line
-    tip = link.ports["tip"].position
+    tip = link.ports[link.other_ports[0]].position
     if link.compliance is None or link.mass is None or not np.any(tip):
         return None
     if link.center_of_mass is not None and link.center_of_mass @ tip < tip @ tip / 3.0:

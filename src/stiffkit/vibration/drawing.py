@@ -179,7 +179,7 @@ class _Pen:
         """Return the lines of a link."""
         if link.compliance is None:
             return self._rigid_paths(link, [p for _, p in self._joints_of(link)])
-        paths = self._spine(link)
+        paths = [path for port in link.other_ports for path in self._spine(link, port)]
         ends = self._joints_of(link)
         if self.robot.tool.body == link.name:
             ends.append((self.robot.tool.port, self.places.tool.position))
@@ -223,13 +223,16 @@ class _Pen:
     def _tolerance(self) -> float:
         return _SAME * self.model.length
 
-    def _spine(self, link: Link) -> list[Path]:
-        """Return the centre line of an elastic link, bent by its static and its own modes."""
+    def _spine(self, link: Link, port: str) -> list[Path]:
+        """Return the line from an elastic link's base to a port, bent by its static and own modes.
+
+        What is between the ports of a link with more than two is not known: their twists say all.
+        """
         T_world_link = self.places.body[link.name]
-        base, tip = (T_world_link.point(link.ports[port].position) for port in ("base", "tip"))
+        base, tip = (T_world_link.point(link.ports[end].position) for end in (BASE, port))
         length = float(np.linalg.norm(tip - base))
-        twist_base = self._twist(link.name, "base", base)
-        twist_tip = self._twist(link.name, "tip", tip)
+        twist_base = self._twist(link.name, BASE, base)
+        twist_tip = self._twist(link.name, port, tip)
         if length <= self._tolerance:
             # A link of no length shows how far its ends part.
             return [Path(np.stack([base, tip]), np.stack([twist_base[:3].T, twist_tip[:3].T], 1))]

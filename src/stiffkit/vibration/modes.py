@@ -23,7 +23,7 @@ from stiffkit.network import (
     Node,
 )
 from stiffkit.smallmat import Vector, minus, vector
-from stiffkit.spatial import Frame, twist_shift
+from stiffkit.spatial import twist_shift
 from stiffkit.vibration.bodies import Bodies, Discretisation, make_bodies
 
 Array = NDArray[np.float64]
@@ -172,14 +172,17 @@ class ModalModel:
             twist = _at_body(frames[name]) @ to_si @ at.motion_of[self._cluster(name, "base")]
             rows.append(_root(mass) @ twist)
         for name, element in self.bodies.elastic.items():
-            base = _at_body(frames[name]) @ to_si @ at.motion_of[self._cluster(name, "base")]
-            tip = _at_body(frames[name]) @ to_si @ at.motion_of[self._cluster(name, "tip")]
-            tip_port: Frame = self.tree.robot.links[name].ports["tip"]
-            tip = twist_shift(tip_port.position) @ tip
-            modes = np.zeros((element.mode_stiffness.size, base.shape[1]))
+            ports = [
+                twist_shift(frame.position)
+                @ _at_body(frames[name])
+                @ to_si
+                @ at.motion_of[self._cluster(name, port)]
+                for port, frame in self.tree.robot.links[name].ports.items()
+            ]
+            modes = np.zeros((element.mode_stiffness.size, len(at.names)))
             columns = [i for i, label in enumerate(at.names) if label == f"{name}.mode"]
             modes[np.arange(len(columns)), columns] = 1.0
-            rows.append(_root(element.mass) @ np.vstack([base, tip, modes]))
+            rows.append(_root(element.mass) @ np.vstack([*ports, modes]))
         if self.bodies.tool_mass:
             rows.append(np.sqrt(self.bodies.tool_mass) * self.length * at.tool[:3])
         return np.concatenate([np.zeros((0, len(at.names))), *rows])

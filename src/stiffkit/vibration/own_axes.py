@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiffkit.kinematics import Located
-from stiffkit.network import JointPart, LinkPart, loose_directions
-from stiffkit.robot import Freedom
+from stiffkit.network import elements_of, loose_directions
+from stiffkit.robot import Freedom, Link
 from stiffkit.smallmat import as_objects
 from stiffkit.spatial import twist_shift
 from stiffkit.vibration.modes import ModalModel
@@ -43,7 +43,7 @@ def to_own_axes(full: ModalModel, q: Array, shapes: Array) -> Array:
 
     They are in their own axes and of unit stiffness: half their square is the strain energy.
     """
-    coordinates, robot = full.coordinates, full.tree.robot
+    coordinates = full.coordinates
     located = Located(
         full.tree,
         coordinates.constants,
@@ -53,24 +53,26 @@ def to_own_axes(full: ModalModel, q: Array, shapes: Array) -> Array:
     tool = np.array(located.tool.p, dtype=float)
     to_si = np.diag([full.length] * 3 + [1.0] * 3)
     rows, start = [], 0
-    for edge in coordinates.network.edges:
-        if isinstance(edge.part, LinkPart):
-            link = robot.links[edge.part.name]
-            frame = located.body(link.name)
-            R = np.array(frame.R, dtype=float)
-            tip = R @ link.ports["tip"].position + np.array(frame.p, dtype=float)
-            to_tip = np.kron(np.eye(2), R.T) @ twist_shift(tip - tool) @ to_si
-            roots = np.sqrt(full.bodies.mode_stiffness.get(link.name, np.zeros(0)))
-            end = start + 6 + roots.size
-            rows.append(_root_stiffness(link.compliance) @ to_tip @ shapes[start : start + 6])
-            rows.append(roots[:, None] * shapes[start + 6 : end])
-            start = end
-        elif isinstance(edge.part, JointPart):
-            joint = robot.joints[edge.part.name]
-            for direction in loose_directions(joint):
+    for part in elements_of(coordinates.network, full.tree.robot):
+        if isinstance(part, Link):
+            frame = located.body(part.name)
+            R, p = np.array(frame.R, dtype=float), np.array(frame.p, dtype=float)
+            turn = np.kron(np.eye(2), R.T)
+            deflections = []
+            for port in part.other_ports:
+                place = R @ part.ports[port].position + p
+                own = shapes[start : start + 6]
+                deflections.append(turn @ twist_shift(place - tool) @ to_si @ own)
+                start += 6
+            rows.append(_root_stiffness(part.compliance) @ np.concatenate(deflections))
+            roots = np.sqrt(full.bodies.mode_stiffness.get(part.name, np.zeros(0)))
+            rows.append(roots[:, None] * shapes[start : start + roots.size])
+            start += roots.size
+        else:
+            for direction in loose_directions(part):
                 unit = 1.0 if direction.turns else full.length
                 if direction.freedom is not Freedom.PASSIVE:
-                    root = np.sqrt(joint.stiffness[direction.index])
+                    root = np.sqrt(part.stiffness[direction.index])
                     rows.append(root * unit * shapes[start : start + 1])
                 start += 1
     return np.concatenate(rows)
@@ -78,28 +80,28 @@ def to_own_axes(full: ModalModel, q: Array, shapes: Array) -> Array:
 
 def basis_of(full: ModalModel, U: Array) -> Basis:
     """Return the basis whose columns are U (n_energy, r), orthonormal and in their own axes."""
-    robot = full.tree.robot
-    blocks: dict[int, Array] = {}
+    edges: list[Array] = []
+    modes: dict[str, Array] = {}
     start = 0
-    for i, edge in enumerate(full.coordinates.network.edges):
-        if isinstance(edge.part, LinkPart):
-            link = robot.links[edge.part.name]
-            roots = np.sqrt(full.bodies.mode_stiffness.get(link.name, np.zeros(0)))
-            end = start + 6 + roots.size
-            bending = np.linalg.solve(_root_stiffness(link.compliance), U[start : start + 6])
-            blocks[i] = np.vstack([bending, U[start + 6 : end] / roots[:, None]])
-            start = end
-        elif isinstance(edge.part, JointPart):
-            joint = robot.joints[edge.part.name]
-            directions = loose_directions(joint)
-            blocks[i] = np.zeros((len(directions), U.shape[1]))
-            for j, direction in enumerate(directions):
+    for part in elements_of(full.coordinates.network, full.tree.robot):
+        if isinstance(part, Link):
+            p = len(part.other_ports)
+            bending = U[start : start + 6 * p]
+            edges += np.split(np.linalg.solve(_root_stiffness(part.compliance), bending), p)
+            start += 6 * p
+            roots = np.sqrt(full.bodies.mode_stiffness.get(part.name, np.zeros(0)))
+            modes[part.name] = U[start : start + roots.size] / roots[:, None]
+            start += roots.size
+        else:
+            directions = loose_directions(part)
+            edges.append(np.zeros((len(directions), U.shape[1])))
+            for row, direction in zip(edges[-1], directions, strict=True):
                 if direction.freedom is not Freedom.PASSIVE:
-                    blocks[i][j] = U[start] / np.sqrt(joint.stiffness[direction.index])
+                    row[:] = U[start] / np.sqrt(part.stiffness[direction.index])
                     start += 1
-    return Basis(blocks)
+    return Basis(tuple(edges), modes)
 
 
 def _root_stiffness(compliance: Array | None) -> Array:
-    """Return E with E^T E the inverse of a compliance (6, 6)."""
+    """Return E with E^T E the inverse of a compliance (n, n)."""
     return np.asarray(np.linalg.inv(np.linalg.cholesky(np.asarray(compliance))))

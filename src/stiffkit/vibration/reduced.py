@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from stiffkit.compiled import Constants, Kernel
 from stiffkit.kinematics import Located, SpanningTree
+from stiffkit.link.ports import carried
 from stiffkit.network import (
     JointPart,
     LinkPart,
@@ -52,7 +53,6 @@ from stiffkit.smallmat import (
     vector,
     zeros,
 )
-from stiffkit.spatial import twist_shift
 from stiffkit.vibration.bodies import Bodies
 
 Array = NDArray[np.float64]
@@ -65,14 +65,16 @@ _PASSIVE = 1e5
 class Basis:
     """Vectors of elastic coordinates, edge by edge, of unit energy and orthogonal in it."""
 
-    blocks: dict[int, Array]
-    """(n_e, r) for each edge of the network: six deflections of a link's tip in link axes, then its
-    modes; or the loose directions of a joint; SI. Passive rows are zero."""
+    edges: tuple[Array, ...]
+    """(n_e, r) for each edge of the network: six deflections of a link's port in link axes, or the
+    loose directions of a joint; SI. Passive rows are zero."""
+    modes: dict[str, Array]
+    """(n, r), of the internal modes of each elastic link."""
 
     @property
     def size(self) -> int:
         """r."""
-        return int(next(iter(self.blocks.values())).shape[1])
+        return int(self.edges[0].shape[1])
 
 
 @dataclass(frozen=True)
@@ -117,6 +119,7 @@ class ReducedKernel:
         self.basis = basis
         self.network = build_network(self.robot)
         self._way, self._loops = routes(self.network)
+        self.edge_of = {edge.part: i for i, edge in enumerate(self.network.edges)}
         self.constants = Constants()
         add_elasticity(self.constants, self.robot, length)
         self._add_basis_and_masses(length)
@@ -124,7 +127,10 @@ class ReducedKernel:
     def _add_basis_and_masses(self, length: float) -> None:
         links = [link for link in self.robot.links.values() if link.compliance is not None]
         soft = [
-            float(np.trace(k[:3, :3])) / 3.0 for k in (x.compliance for x in links) if k is not None
+            float(np.trace(k[i : i + 3, i : i + 3])) / 3.0
+            for k in (x.compliance for x in links)
+            if k is not None
+            for i in range(0, len(k), 6)
         ]
         drives = [
             (1.0 / s) * (length**2 if d.turns else 1.0)
@@ -134,9 +140,8 @@ class ReducedKernel:
         ]
         typical = _PASSIVE * float(np.mean(soft + drives))
         self.constants.add("passive", np.array([typical, typical / length**2]))
-        for i, edge in enumerate(self.network.edges):
-            rows = self.basis.blocks[i]
-            self.constants.add(f"basis:{i}", rows[:6] if isinstance(edge.part, LinkPart) else rows)
+        for i, rows in enumerate(self.basis.edges):
+            self.constants.add(f"basis:{i}", rows)
         for name, mass in self.bodies.rigid.items():
             self.constants.add_symmetric(f"mass:{name}", mass)
         for name, element in self.bodies.elastic.items():
@@ -144,15 +149,16 @@ class ReducedKernel:
         self.constants.add("tool mass", np.array([self.bodies.tool_mass]))
 
     def _add_elastic_mass(self, name: str, mass: Array) -> None:
-        """Store the mass for [base twist; tip deflection], and what the constant modes add."""
-        i = next(i for i, e in enumerate(self.network.edges) if e.part == LinkPart(name))
+        """Store the mass for [base twist; ports' deflections], and what the constant modes add."""
+        link = self.robot.links[name]
+        n = 6 * len(link.ports)
         carry = np.eye(mass.shape[0])
-        carry[6:12, :6] = twist_shift(self.robot.links[name].ports["tip"].position)
+        carry[6:n, :6] = carried([link.ports[port].position for port in link.other_ports])
         M = carry.T @ mass @ carry
-        modes = self.basis.blocks[i][6:]
-        self.constants.add_symmetric(f"mass:{name}", M[:12, :12])
-        self.constants.add(f"modes:{name}", M[:12, 12:] @ modes)
-        self.constants.add_symmetric(f"own:{name}", modes.T @ M[12:, 12:] @ modes)
+        modes = self.basis.modes[name]
+        self.constants.add_symmetric(f"mass:{name}", M[:n, :n])
+        self.constants.add(f"modes:{name}", M[:n, n:] @ modes)
+        self.constants.add_symmetric(f"own:{name}", modes.T @ M[n:, n:] @ modes)
 
     def kernel(self, *, with_factor: bool = False) -> Kernel:
         """Return the kernel.
@@ -208,7 +214,7 @@ class _Posture:
         edges = model.network.edges
         self._columns = [self._edge_columns(i) for i in range(len(edges))]
         self._moved = [self._edge_motion(i) for i in range(len(edges))]
-        self._flexibility = [self._edge_flexibility(i) for i in range(len(edges))]
+        self._flexibility = self._flexibilities()
         self._wrench = self._loop_wrenches()
         self._steps = [self._closed_step(i) for i in range(len(edges))]
 
@@ -226,26 +232,31 @@ class _Posture:
             return columns
         if not isinstance(part, LinkPart):
             raise TypeError("the fast model works on the network before its reduction")
-        return self._transform(part.name)
-
-    def _transform(self, name: str) -> Matrix:
-        """Return the 6x6 matrix from a twist at a link's tip, link axes, to the tool point."""
-        body = self.located.body(name)
-        tip = plus(matmul(body.R, self.located.constant(f"tip:{name}").p), body.p)
-        arm = minus(self.located.tool.p, tip)
-        T = zeros(6, 6)
-        T[:3, :3] = T[3:, 3:] = body.R
-        T[:3, 3:] = scale(-1.0, matmul(skew(arm), body.R))
-        return T
+        return self.parts.from_port(self.model.robot.links[part.name], part.port)
 
     def _edge_motion(self, i: int) -> Matrix:
         """Return what the basis does across an edge: twists (6, r)."""
         return matmul(self._columns[i], self._read(f"basis:{i}"))
 
-    def _edge_flexibility(self, i: int) -> Matrix:
-        part = self.model.network.edges[i].part
-        if isinstance(part, LinkPart):
-            return self.parts.link_compliance(self.model.robot.links[part.name])
+    def _flexibilities(self) -> dict[int, dict[int, Matrix]]:
+        """Return the twists (6, 6) across edges under wrenches on those that they depend on.
+
+        An edge depends on itself alone, one of a link on all edges of that link.
+        """
+        found: dict[int, dict[int, Matrix]] = {}
+        for i, edge in enumerate(self.model.network.edges):
+            if not isinstance(edge.part, LinkPart):
+                found[i] = {i: self._joint_flexibility(i)}
+                continue
+            link, port = self.model.robot.links[edge.part.name], edge.part.port
+            found[i] = {i: self.parts.link_compliance(link, port)}
+            for other in link.other_ports[: link.other_ports.index(port)]:
+                j = self.model.edge_of[LinkPart(link.name, other)]
+                found[i][j] = self.parts.link_coupling(link, port, other)
+                found[j][i] = found[i][j].T
+        return found
+
+    def _joint_flexibility(self, i: int) -> Matrix:
         S = zeros(6, 6)
         for weight, twist, _passive in self._weighted(i):
             S = outer_sum(S, twist, weight)
@@ -281,10 +292,10 @@ class _Posture:
             for b, second in enumerate(loops[: a + 1]):
                 other = dict(second.signs)
                 for i, sign in first.signs:
-                    if i in other:
+                    for j in (j for j in self._flexibility[i] if j in other):
                         block = slice(6 * b, 6 * b + 6)
                         S[rows, block] = plus(
-                            S[rows, block], scale(sign * other[i], self._flexibility[i])
+                            S[rows, block], scale(sign * other[j], self._flexibility[i][j])
                         )
                 S[6 * b : 6 * b + 6, rows] = S[rows, 6 * b : 6 * b + 6].T
         factors = factor(S)
@@ -324,10 +335,12 @@ class _Posture:
 
     def _closed_step(self, i: int) -> Matrix:
         """Return what the basis does across an edge, loops closed: twists (6, r)."""
-        wrench = self._wrench[i]
-        if wrench is None:
-            return self._moved[i]
-        return minus(self._moved[i], matmul(self._flexibility[i], wrench))
+        step = self._moved[i]
+        for j, flexibility in self._flexibility[i].items():
+            wrench = self._wrench[j]
+            if wrench is not None:
+                step = minus(step, matmul(flexibility, wrench))
+        return step
 
     def mass(self) -> Matrix:
         """Return the reduced mass (r, r)."""
@@ -345,24 +358,25 @@ class _Posture:
         return M
 
     def _elastic_mass(self, name: str) -> Matrix:
-        constants, edges = self.model.constants, self.model.network.edges
-        i = next(i for i, edge in enumerate(edges) if edge.part == LinkPart(name))
-        rows = zeros(12, self.r)
-        rows[:6] = self._at_origin(name, "base")
-        rows[6:] = self._deflection(i, name)
+        constants = self.model.constants
+        rows = np.concatenate([self._at_origin(name, "base"), self._deflections(name)])
         mass = constants.read_symmetric(self.c, f"mass:{name}")
         from_modes = scale(2.0, self._read(f"modes:{name}"))
         M = _quadratic(rows, plus(matmul(mass, rows), from_modes))
         return plus(M, constants.read_symmetric(self.c, f"own:{name}"))
 
-    def _deflection(self, i: int, name: str) -> Matrix:
-        """Return the deflection (6, r) of a link's tip, link axes, loops closed."""
-        own = self._read(f"basis:{i}")
-        wrench = self._wrench[i]
-        if wrench is None:
-            return own
+    def _deflections(self, name: str) -> Matrix:
+        """Return the deflections (6p, r) of a link's p ports, link axes, loops closed."""
+        ports = self.model.robot.links[name].other_ports
+        edges = [self.model.edge_of[LinkPart(name, port)] for port in ports]
+        own = np.concatenate([self._read(f"basis:{i}") for i in edges])
+        loads = zeros(*own.shape)
+        for at, i in enumerate(edges):
+            wrench = self._wrench[i]
+            if wrench is not None:
+                loads[6 * at : 6 * at + 6] = matmul(self._columns[i].T, wrench)
         S = self.model.constants.read_symmetric(self.c, f"compliance:{name}")
-        return minus(own, matmul(S, matmul(self._columns[i].T, wrench)))
+        return minus(own, matmul(S, loads))
 
     def _at_origin(self, name: str, port: str) -> Matrix:
         """Return the twist (6, r) of a body at its link's origin, link axes."""

@@ -59,9 +59,8 @@ def _struck(link: Link, passive: dict[str, list[Array]], n_elements: int) -> Lin
     if line is None:
         return link
     none = np.zeros((6, 0))
-    struck = Struck(
-        np.hstack([none, *passive.get("base", [])]), np.hstack([none, *passive.get("tip", [])])
-    )
+    at_base, at_tip = (np.hstack([none, *passive.get(port, [])]) for port in link.ports)
+    struck = Struck(at_base, at_tip)
     element = lumped_superelement(line, n_elements, None, struck)
     if link.line is None:
         element = replace(element, rule=f"{element.rule}; the compliance is the equivalent beam's")

@@ -1,0 +1,1 @@
+"""Finite elements of parts: CalculiX and Stiffkit side by side in one run."""

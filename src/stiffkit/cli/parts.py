@@ -1,0 +1,123 @@
+"""The command about parametric parts."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from textwrap import fill
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from stiffkit.cli.arguments import assignments, json_option
+from stiffkit.errors import CadError
+
+if TYPE_CHECKING:
+    from stiffkit.fea.parts import ParametricPart
+    from stiffkit.fea.sources import RegisteredPart
+
+_WIDTH = 98
+
+
+@click.command()
+@click.argument("name", metavar="[NAME]", required=False)
+@click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="Replace a dimension, such as --set length=160mm. Repeatable.",
+)
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path), default=None, help="STEP file to write."
+)
+@json_option
+def parts(name: str | None, settings: tuple[str, ...], output: Path | None, as_json: bool) -> None:
+    """List the parametric parts, or show one of them with its dimensions and faces.
+
+    Link specifications and robot files take a part by its name and the dimensions that differ from
+    the defaults. With -o it is written as STEP.
+
+    Example:  stiffkit parts orthoglide-foot --set length=160mm -o foot.step
+    """
+    from stiffkit.fea.parts import PARTS, find_part
+
+    if name is None:
+        if settings or output is not None:
+            raise CadError("no part is named", mend=f"name one of {', '.join(PARTS)}")
+        _list(list(PARTS.values()), as_json)
+        return
+    part = find_part(name)
+    made = _made(part, settings)
+    if output is not None:
+        from stiffkit.fea.sources import write_step
+
+        write_step(made, output)
+    if as_json:
+        click.echo(json.dumps(_plain(part, made), indent=1, allow_nan=False))
+        return
+    _show(part, made)
+    if output is not None:
+        click.echo(f"part: {output}")
+
+
+def _made(part: ParametricPart, settings: tuple[str, ...]) -> RegisteredPart:
+    """Return the part with the dimensions that were set."""
+    from stiffkit.fea.sources import RegisteredPart
+    from stiffkit.files.names import suggest
+    from stiffkit.units import to_si
+
+    units = {dimension.name: dimension.unit for dimension in part.dimensions}
+    given = assignments(",".join(settings), "--set")
+    for key in given:
+        if key not in units:
+            raise CadError(f"{part.name} has no dimension '{key}'", mend=suggest(key, units))
+    values = {key: to_si(value, units[key]) for key, value in given.items()}
+    return RegisteredPart(part.name, values)
+
+
+def _list(found: list[ParametricPart], as_json: bool) -> None:
+    if as_json:
+        plain = [{"part": part.name, "title": part.title} for part in found]
+        click.echo(json.dumps(plain, indent=1))
+        return
+    width = max(len(part.name) for part in found)
+    for part in found:
+        click.echo(f"{part.name:<{width}}  {part.title}")
+
+
+def _show(part: ParametricPart, made: RegisteredPart) -> None:
+    from stiffkit.cli.show import heading
+
+    heading(part.title)
+    click.echo(fill(part.description, _WIDTH, initial_indent="  ", subsequent_indent="  "))
+    heading("dimensions")
+    wide = max(len(one.name) for one in part.dimensions)
+    for one in part.dimensions:
+        value = f"{1e3 * made.dimensions[one.name]:.6g} mm"
+        source = one.source if made.dimensions[one.name] == one.default else "given"
+        click.echo(f"  {one.name:<{wide}}{value:>11}  {one.means}")
+        indent = " " * (wide + 15)
+        click.echo(fill(source, _WIDTH, initial_indent=indent, subsequent_indent=indent))
+    heading("faces")
+    for name, what in part.faces.items():
+        click.echo(f"  {name:<{wide}}  {what}")
+
+
+def _plain(part: ParametricPart, made: RegisteredPart) -> dict[str, Any]:
+    return {
+        "part": part.name,
+        "title": part.title,
+        "description": part.description,
+        "dimensions": [
+            {
+                "name": one.name,
+                "value": made.dimensions[one.name],
+                "default": one.default,
+                "means": one.means,
+                "source": one.source,
+            }
+            for one in part.dimensions
+        ],
+        "faces": dict(part.faces),
+    }
