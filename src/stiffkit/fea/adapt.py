@@ -35,10 +35,10 @@ CHEAP = 80_000
 """Unknowns up to which orders are raised without asking whether that will do."""
 
 AFFORDABLE = 300_000
-"""Unknowns that are worth spending on a mesh before one with smaller elements is tried."""
+"""Unknowns that are worth spending on a mesh before it is judged."""
 
 LAST = 600_000
-"""Those that are worth spending where the next solution is likely to be the last."""
+"""Those within which it must then promise to reach the tolerance."""
 
 GROWTH = (1.3, 2.0)
 """How many times as many elements the next mesh may have, at least and at most."""
@@ -289,9 +289,9 @@ class _Loop:
         room = max(_SURELY * tolerance - last.geometry, 0.1 * tolerance)
         excess = (last.estimate - last.geometry) / room
         steps = max(1.0, float(np.log(excess) / -np.log(last.ratio)))
-        if steps <= 1.0 or gains.smooth() > 0.5:
-            return last.n_unknowns * growth <= LAST
-        return bool(last.n_unknowns * growth**steps <= AFFORDABLE)
+        if gains.smooth() > 0.5:
+            steps = 1.0
+        return bool(last.n_unknowns * growth**steps <= LAST)
 
     def _limit(self, mesh: PartMesh, orders: Orders) -> str:
         """Say which limit a solve with orders (e,) would break, if any."""
