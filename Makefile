@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/.ready
 DEMO := out/biglide
 
-.PHONY: demo test lint format bench bench-fea lock clean
+.PHONY: demo test lint format bench bench-fea bench-peers lock clean
 
 demo: $(STAMP)
 	$(BIN)/stiffkit map biglide -o $(DEMO)
@@ -31,6 +31,13 @@ bench: $(STAMP)
 bench-fea: $(STAMP)
 	requirements/need-calculix.sh
 	$(BIN)/python -m benchmarks.fea --json out/bench-fea.json
+
+bench-peers: $(STAMP) out/peers/.ready
+	$(BIN)/python -m benchmarks.peers --python out/peers/bin/python
+
+out/peers/.ready: requirements/peers.txt requirements/make-peers.sh
+	requirements/make-peers.sh $(PYTHON) out/peers
+	touch $@
 
 $(STAMP): requirements/dev.lock pyproject.toml requirements/make-venv.sh
 	requirements/make-venv.sh $(PYTHON) $(VENV)

@@ -1,124 +1,159 @@
-"""Print the benchmark tables: ``make bench``."""
+"""All benchmarks: tables to read, and the same numbers as JSON. ``make bench``."""
 
 from __future__ import annotations
 
-import sys
-import sysconfig
-import tempfile
-import time
+import argparse
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, fields
 from pathlib import Path
+from typing import Any
 
-import numpy as np
 from threadpoolctl import threadpool_limits
 
-from benchmarks import identify, vibration
-from benchmarks.measure import process_seconds, seconds
-from benchmarks.postures import ROBOTS, measure
-from stiffkit.kinematics import Kinematics
-from stiffkit.robot import load_robot
-from stiffkit.study import Analysis, map_workspace
+from benchmarks import identify, kernels, machine, processes, stages, vibration
+from benchmarks.table import Cell, table
+from stiffkit.compiled import thread_count
 
-MILLION = 1_000_000
+Row = Any
+"""A dataclass of measured numbers."""
 
 
 def main() -> None:
-    """Print all tables."""
-    print(f"multiply-add on arrays of 1000: {_multiply_adds() / 1e9:.2f} G/s, one thread, NumPy\n")
-    print_rates()
-    print_frequencies()
-    print_identification()
-    print_map()
-    print_commands()
-
-
-def _multiply_adds() -> float:
-    a, b, c = (np.random.default_rng(0).random(1000) for _ in range(3))
-
-    def work() -> None:
-        for _ in range(2000):
-            np.multiply(a, b, out=c)
-            np.add(c, a, out=c)
-
-    return 2000 * 1000 / seconds(work)
-
-
-def print_rates() -> None:
-    """Print postures per second and thread."""
-    print("Postures per second, one thread, joint coordinates given (thousands)")
-    heads = ("robot", "kernel", "compiled", "NumPy", "single", "compiled/NumPy", "compile, s")
-    print("{:<15}{:<14}{:>10}{:>10}{:>10}{:>16}{:>12}".format(*heads))
-    for name in ROBOTS:
-        for r in measure(name):
-            print(
-                f"{r.robot:<15}{r.kernel:<14}{r.compiled / 1e3:>10.0f}{r.numpy / 1e3:>10.1f}"
-                f"{r.single / 1e3:>10.2f}{r.compiled / r.numpy:>16.0f}{r.compile_seconds:>12.2f}"
-            )
-    print(flush=True)
-
-
-def print_frequencies() -> None:
-    """Print rates of the lowest natural frequencies."""
-    print("Lowest four natural frequencies, postures per second, one thread")
-    heads = ("robot", "basis", "fast", "dense", "eigen", "unknowns", "fast/dense", "error")
-    print("{:<15}{:>7}{:>10}{:>10}{:>10}{:>10}{:>12}{:>10}".format(*heads))
-    for name in ROBOTS:
-        with threadpool_limits(1):
-            r = vibration.measure(name)
-        print(
-            f"{r.robot:<15}{r.basis:>7}{r.fast:>10.0f}{r.dense:>10.1f}{r.eigen:>10.1f}{r.unknowns:>10}"
-            f"{r.fast / r.dense:>12.0f}{r.error:>10.1e}"
-        )
+    """Run the sections that are asked for, print their tables and write the JSON."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
+    parser.add_argument("sections", nargs="*", help=f"of: {', '.join(SECTIONS)}; all by default")
+    parser.add_argument("--json", type=Path, default=Path("out", "bench.json"))
+    arguments = parser.parse_args()
+    unknown = set(arguments.sections) - set(SECTIONS)
+    if unknown:
+        parser.error(f"there is no section {', '.join(sorted(unknown))}")
+    this = machine.measure()
     print(
-        "dense: full model, coordinates to frequencies; eigen: its eigenvalues alone\n", flush=True
+        f"{this.system}, {this.processors} processors, Python {this.python}\n"
+        f"multiply-add peak, one thread: {this.multiply_adds / 1e9:.1f} Gflop/s compiled,"
+        f" {this.numpy_multiply_adds / 1e9:.1f} Gflop/s by NumPy on arrays of 1000\n"
     )
+    results: dict[str, Any] = {"machine": asdict(this)}
+    for name in arguments.sections or SECTIONS:
+        rows = SECTIONS[name](this)
+        results[name] = [asdict(row) for row in rows]
+        arguments.json.parent.mkdir(parents=True, exist_ok=True)
+        arguments.json.write_text(json.dumps(results, indent=1), encoding="utf-8")
+    print(f"numbers in {arguments.json}")
 
 
-def print_identification() -> None:
-    """Print what the identification of a compliance takes."""
+def _show(title: str, heads: Sequence[str], rows: Sequence[Sequence[Cell]]) -> None:
+    print(f"{title}\n{table(heads, rows)}\n", flush=True)
+
+
+def run_kernels(this: machine.Machine) -> list[Row]:
+    """Kernels with joint coordinates given."""
+    rows = [r for name in kernels.ROBOTS for r in kernels.measure(name, this.multiply_adds)]
+    _show(
+        "Kernels, postures per second and thread (thousands); operations of one posture",
+        (
+            *("robot", "kernel", "compiled", "NumPy", "single", "compiled/NumPy"),
+            *("compiled/single", "operations", "sines", "Gflop/s", "of peak", "compile, s"),
+        ),
+        [
+            (
+                *(r.robot, r.kernel, r.compiled / 1e3, r.numpy / 1e3, r.single / 1e3),
+                *(r.compiled / r.numpy, r.compiled / r.single, r.arithmetic, r.functions),
+                *(r.per_second / 1e9, f"{r.share_of_peak:.0%}", r.compile_seconds),
+            )
+            for r in rows
+        ],
+    )
+    return rows
+
+
+def run_stages(_this: machine.Machine) -> list[Row]:
+    """Whole static maps, by one thread and by all."""
+    counts = sorted({1, thread_count()})
+    rows = [stages.measure(name, n) for name in stages.POINTS for n in counts]
+    _show(
+        "Static maps of both models, dataset in memory, seconds; kernels and CPU are of processors",
+        (
+            *(
+                "robot",
+                "threads",
+                "postures",
+                "wall",
+                "postures/s",
+                "CPU",
+                "kernels",
+                "CPU/kernels",
+            ),
+            *("closure", "writing", "first", "dataset, GB", "peak, GB"),
+        ),
+        [
+            (
+                *(r.robot, r.threads, r.postures, r.wall, r.postures / r.wall, r.cpu),
+                *(sum(r.kernels.values()), r.ratio, r.closure, r.writing, r.first),
+                *(r.dataset_bytes / 1e9, r.peak_bytes / 1e9),
+            )
+            for r in rows
+        ],
+    )
+    names = sorted({name for r in rows for name in r.kernels})
+    _show(
+        "Of these, seconds in each kernel",
+        ("robot", "threads", *names),
+        [(r.robot, r.threads, *(r.kernels.get(name, 0.0) for name in names)) for r in rows],
+    )
+    return rows
+
+
+def run_frequencies(_this: machine.Machine) -> list[Row]:
+    """Lowest natural frequencies."""
+    with threadpool_limits(1):
+        rows = [vibration.measure(name) for name in kernels.ROBOTS]
+    _show(
+        "Lowest four natural frequencies, postures per second, one thread (dense: full model,"
+        " coordinates to frequencies; eigen: its eigenvalues alone)",
+        ("robot", "basis", "fast", "dense", "eigen", "unknowns", "fast/dense", "error"),
+        [
+            (r.robot, r.basis, r.fast, r.dense, r.eigen, r.unknowns, r.fast / r.dense, r.error)
+            for r in rows
+        ],
+    )
+    return rows
+
+
+def run_identification(_this: machine.Machine) -> list[Row]:
+    """A compliance from a large field."""
     r = identify.measure()
-    print(f"Compliance from {r.nodes} nodes, six load cases, with statistics, one thread")
-    print(f"  seconds, reading apart            {r.seconds:8.2f}")
-    print(f"  peak memory, field included       {r.peak_bytes / 1e9:8.2f} GB")
-    print(f"  displacements                     {r.rate / 1e9:8.2f} GB/s")
-    print(f"  the same, plain sum               {r.sum_rate / 1e9:8.2f} GB/s")
-    print(f"  identification / plain sum        {r.seconds / r.sum_seconds:8.1f}\n", flush=True)
+    _show(
+        "Compliance from a field, six load cases, with statistics, reading apart, one thread",
+        ("nodes", "seconds", "GB/s", "plain sum, GB/s", "over plain sum", "peak, GB"),
+        [
+            (
+                *(r.nodes, r.seconds, r.rate / 1e9, r.sum_rate / 1e9),
+                *(r.seconds / r.sum_seconds, r.peak_bytes / 1e9),
+            )
+        ],
+    )
+    return [r]
 
 
-def print_map() -> None:
-    """Print the parts of a map of a million postures."""
-    robot = load_robot("biglide")
-    start = time.perf_counter()
-    analysis = Analysis(robot)
-    kinematics: Kinematics = analysis.kinematics
-    assembled = time.perf_counter() - start
-    start = time.perf_counter()
-    dataset = map_workspace(analysis, points=MILLION)
-    mapped = time.perf_counter() - start
-    n = dataset["status"].isel(model=0).size
-    x, y = np.meshgrid(dataset["x"], dataset["y"], indexing="ij")
-    start = time.perf_counter()
-    kinematics.solve(np.stack([x.ravel(), y.ravel()]))
-    closed = time.perf_counter() - start
-    print(f"Biglide map of {n} postures, both models, loop closure included")
-    print(f"  home posture                      {assembled:8.2f} s")
-    print(f"  map, dataset in memory            {mapped:8.2f} s  ({n / mapped / 1e6:.2f} M/s)")
-    print(f"  of which loop closure, warm       {closed:8.2f} s  ({n / closed / 1e6:.2f} M/s)")
-    print(f"  postures with an answer           {(dataset['status'] == 0).mean().item():8.2%}\n")
+def run_processes(_this: machine.Machine) -> list[Row]:
+    """Whole commands, cold and warm."""
+    rows = processes.measure()
+    heads = [field.name.replace("_", " ") for field in fields(processes.ProcessTimes)]
+    _show("Whole processes, seconds", heads, [tuple(asdict(r).values()) for r in rows])
+    return rows
 
 
-def print_commands() -> None:
-    """Print the times of whole processes."""
-    scripts = Path(sysconfig.get_path("scripts"))
-    stiffkit = str(scripts / "stiffkit")
-    bare = process_seconds([sys.executable, "-c", "import numpy"])
-    print("Whole processes, seconds (and times that of importing NumPy)")
-    with tempfile.TemporaryDirectory() as folder:
-        commands = [["--help"], *(["pose", name, "--json"] for name in ROBOTS)]
-        commands.append(["map", "biglide", "-o", folder])
-        for command in commands:
-            taken = process_seconds([stiffkit, *command], 3)
-            shown = " ".join(word for word in command if word not in ("-o", folder))
-            print(f"  stiffkit {shown:<28}{taken:8.2f}  ({taken / bare:.1f})")
+SECTIONS: dict[str, Callable[[machine.Machine], list[Row]]] = {
+    "kernels": run_kernels,
+    "stages": run_stages,
+    "frequencies": run_frequencies,
+    # Fused reductions of long studies belong here.
+    "identification": run_identification,
+    "processes": run_processes,
+}
+"""By name, in the order in which they run."""
 
 
 if __name__ == "__main__":

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import qr
 
 from benchmarks.fea.parts import STEEL
@@ -166,24 +167,34 @@ def _component(column: int | np.integer) -> tuple[int, int]:
     return int(column) // 3 + 1, int(column) % 3 + 1
 
 
+def tip_triangles(mesh: PartMesh, tip: Port) -> NDArray[np.int64]:
+    """Return the nodes (t, 6) of the tip's triangles, in VTK's order."""
+    own = np.isin(mesh.triangle_face, tip.faces)
+    return mesh.triangles[own][:, TO_VTK].astype(np.int64)
+
+
+def tip_quadrature(mesh: PartMesh, tip: Port) -> tuple[Array, Array, Array]:
+    """Return points (t, q, 3) in the tip's triangles, their areas (t, q), and shapes (q, 6)."""
+    kind = ELEMENTS["triangle6"]
+    corners = mesh.points[tip_triangles(mesh, tip)]
+    tangents = np.einsum("qdk,tkc->tqdc", kind.gradients, corners)
+    density = np.linalg.norm(np.cross(tangents[:, :, 0], tangents[:, :, 1]), axis=2)
+    return kind.shape_functions @ corners, density * kind.weights, kind.shape_functions
+
+
 def readings(mesh: PartMesh, tip: Port) -> Array:
     """Return the rows (6, 3n) that read the tip's mean twist from the nodes' displacements.
 
     They are the nodal forces of the tractions (F + (J^-1 M) x r) / A under unit wrenches, too.
     """
-    triangles = mesh.triangles[np.isin(mesh.triangle_face, tip.faces)][:, TO_VTK]
-    kind = ELEMENTS["triangle6"]
-    corners = mesh.points[triangles]
-    tangents = np.einsum("qdk,tkc->tqdc", kind.gradients, corners)
-    density = np.linalg.norm(np.cross(tangents[:, :, 0], tangents[:, :, 1]), axis=2)
-    area = density * kind.weights
-    arms = kind.shape_functions @ corners - tip.point
+    points, area, shapes = tip_quadrature(mesh, tip)
+    arms = points - tip.point
     J = np.einsum("tq,tqij->ij", area, np.array([[skew(r).T @ skew(r) for r in t] for t in arms]))
-    rows = []
+    triangles, rows = tip_triangles(mesh, tip), []
     for wrench in np.eye(6):
         traction = wrench[:3] / area.sum() + np.cross(np.linalg.solve(J, wrench[3:]), arms)
         forces = np.zeros_like(mesh.points)
-        shares = np.einsum("tq,qk,tqc->tkc", area, kind.shape_functions, traction)
+        shares = np.einsum("tq,qk,tqc->tkc", area, shapes, traction)
         np.add.at(forces, triangles, shares)
         rows.append(forces.ravel())
     return np.array(rows)

@@ -67,6 +67,9 @@ addEventListener("load", async () => {
   await choose("quantity", "deflection_z");
   await choose("load", "f_z");
   seen.z = look();
+  await choose("scale", "log");
+  const { type, tickvals } = document.getElementById("lines").layout.yaxis;
+  seen.logarithmic = { type, ticks: Array.from(tickvals ?? []) };
   seen.requests = performance.getEntriesByType("resource").map((entry) => entry.name.slice(0, 80));
   const note = document.createElement("pre");
   note.id = "probe";
@@ -141,6 +144,12 @@ def test_the_map_is_drawn(report: Visit) -> None:
     assert first["lines"] > 0
     assert first["branches"] == 4
     assert first["worst"] > 3
+
+
+def test_a_logarithmic_axis_has_labels_enough_to_be_seen_as_one(report: Visit) -> None:
+    axis = report.seen["logarithmic"]
+    assert axis["type"] == "log"
+    assert len(axis["ticks"]) > 3
 
 
 def test_switching_the_quantity_changes_title_and_values(report: Visit) -> None:

@@ -17,6 +17,7 @@ FLOORS = {
     "smallmat": 0,
     "units": 0,
     "errors": 0,
+    "progress": 0,
     "compiled": 1,
     "files": 1,
     "link": 2,

@@ -32,6 +32,8 @@ from stiffkit.link import MATERIALS
 from stiffkit.robot import list_robots, load_robot
 from stiffkit.robot.joints import KINDS
 from stiffkit.robot.loader import SCHEMA_FILE
+from stiffkit.study.quantities import QUANTITIES
+from stiffkit.study.sweep import SCHEMA_FILE as STUDY_SCHEMA_FILE
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")])
@@ -194,6 +196,8 @@ def test_files_load(page: Path, tmp_path: Path) -> None:
             check_shape(root, page, SPEC_SCHEMA_FILE)
         elif root.child("cad") is not None:
             check_shape(root, page, CAD_SCHEMA_FILE)
+        elif root.child("study") is not None:
+            check_shape(root, page, STUDY_SCHEMA_FILE)
         elif named := _FILE.match(block.text):
             assert load_robot(tmp_path / named[1]).links
         else:
@@ -265,6 +269,12 @@ def test_the_reference_of_specifications_has_every_key() -> None:
 def test_the_reference_of_parts_has_every_key() -> None:
     text = text_of("docs/cad.md")
     for word in keys_of(json.loads(CAD_SCHEMA_FILE.read_text("utf-8"))):
+        assert re.search(rf"\b{word}\b", text), word
+
+
+def test_the_reference_of_studies_has_every_key_and_quantity() -> None:
+    text = text_of("docs/studies.md")
+    for word in keys_of(json.loads(STUDY_SCHEMA_FILE.read_text("utf-8"))) | set(QUANTITIES):
         assert re.search(rf"\b{word}\b", text), word
 
 

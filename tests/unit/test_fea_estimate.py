@@ -9,7 +9,6 @@ from stiffkit.fea.estimate import (
     convergence,
     geometry_error,
     relative_difference,
-    wanted_sizes,
     whitening,
 )
 
@@ -51,7 +50,7 @@ def test_geometric_convergence_is_found(ratio: float) -> None:
 
 def test_the_first_solution_tells_no_ratio() -> None:
     """It is as bad as it likes, and makes the second look good."""
-    good = [(1.0 - 0.1 * 0.5**n) * K for n in range(3)]
+    good = [(1.0 - 0.1 * 0.6**n) * K for n in range(3)]
     assert convergence([0.01 * K, *good]).error == pytest.approx(convergence(good).error, rel=0.1)
 
 
@@ -62,17 +61,6 @@ def test_nothing_is_known_from_one_solution() -> None:
 def test_a_small_change_by_chance_is_not_believed() -> None:
     solutions = [0.8 * K, 0.9 * K, 0.99 * K, 0.9999 * K]
     assert convergence(solutions).error > 5e-3 * 0.01
-
-
-def test_sizes_spread_the_error() -> None:
-    rng = np.random.default_rng(2)
-    sizes, energies = rng.uniform(1.0, 2.0, 1000), 10.0 ** rng.uniform(-8, 0, 1000)
-    wanted = wanted_sizes(sizes, energies, 2.0)
-    assert np.all(wanted <= sizes)
-    assert np.all(wanted >= sizes / 4.0 - 1e-12)
-    assert np.mean((sizes / wanted) ** 3) == pytest.approx(2.0, rel=0.01)
-    finer = sizes / wanted
-    assert np.all(np.diff(finer[np.argsort(energies)]) >= -1e-12)
 
 
 def test_geometry_errors_of_either_sign_count() -> None:

@@ -52,7 +52,11 @@ def test_a_specification_is_read_in_si(place: Path) -> None:
     assert tip.axes is not None
     np.testing.assert_allclose(tip.axes[:, 0], [0.0, 1.0, 0.0], atol=1e-15)
     assert spec.tolerance == pytest.approx(2e-3)
-    assert (spec.n_modes, spec.mesh, spec.scale) == (6, None, None)
+    assert (spec.n_modes, spec.mesh, spec.scale, spec.features) == (6, None, None, None)
+
+
+def test_small_features_may_be_told_from_others(place: Path) -> None:
+    assert spec_of(place, SPEC + "features: 0.5 mm\n").features == pytest.approx(5e-4)
 
 
 def test_faces_may_be_several_descriptions_with_counts(place: Path) -> None:
@@ -127,6 +131,7 @@ def test_an_orthotropic_material_is_read(place: Path) -> None:
         ("{name: flange}", "{nam: flange}", "tip.faces.nam", "unknown key"),
         ("tolerance: 0.2 %", "mesh: {size: 5 mm, order: 9}", "mesh.order", "from 1 to 8"),
         ("tolerance: 0.2 %", "modes: 1000", "modes", "from 0 to 100"),
+        ("tolerance: 0.2 %", "features: 0 mm", "features", "positive"),
     ],
 )
 def test_what_is_wrong_is_told_at_its_key(
@@ -176,6 +181,7 @@ def test_whatever_changes_the_result_changes_the_key(place: Path) -> None:
         ("0.2 %", "0.1 %"),
         ("tolerance", "modes: 4\ntolerance"),
         ("tolerance", "scale: 2\ntolerance"),
+        ("tolerance", "features: 1 mm\ntolerance"),
         ("tolerance", "up: [0, 1, 0]\ntolerance"),
     ]
     keys = {key_of(spec_of(place, SPEC.replace(old, new))) for old, new in changes}

@@ -168,6 +168,17 @@ def test_worst_postures_are_ranked_from_all_postures() -> None:
     )
 
 
+def test_worst_postures_stand_at_the_places_of_the_grid() -> None:
+    dataset = synthetic_map(grid(x=5, y=4))
+    # A solved pose misses the one that was asked for by rounding.
+    dataset["tool"].values -= 5.5e-17
+    payload = payload_of(dataset)
+    places = [axis["values"] for axis in payload["axes"]]
+    assert 0.0 in places[0]
+    for rows in payload["worst"].values():
+        assert all(x in places[0] and y in places[1] for x, y in (row["at"] for row in rows))
+
+
 def test_worst_postures_leave_out_what_is_no_number() -> None:
     values = np.array([[1.0, np.nan], [np.inf, 3.0]])
     assert worst_postures(values, worst_is_largest=True) == [3, 0]
@@ -219,7 +230,7 @@ def test_a_large_map_makes_a_small_page_soon(tmp_path: Path) -> None:
     page = report_of(dataset, tmp_path)
     assert time.perf_counter() - started < 30.0
     assert (tmp_path / "report.html").stat().st_size < 12e6
-    assert "blocks of 5 × 5 postures, each block at the worst value" in page.text
+    assert "blocks of 7 × 6 postures, each block at the worst value" in page.text
     assert "490\u202f000" in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 

@@ -17,6 +17,7 @@ pytest.importorskip("netgen.occ")
 import verify_robots as robots  # type: ignore[import-not-found]
 
 from stiffkit.link import MATERIALS
+from stiffkit.progress import no_progress
 from stiffkit.robot import Robot
 from stiffkit.study import Analysis, analyse_modes, analyse_pose
 from stiffkit.verify.body import Body
@@ -41,9 +42,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
 
 
 def bodies(robot: Robot) -> dict[str, Body]:
-    parts = mesh_parts(robot, Resolution(), lambda _what, _share: None)
+    parts = mesh_parts(robot, Resolution(), no_progress)
     assert all(part.is_own for part in parts)
-    return bodies_of(robot, parts, lambda _what, _share: None)
+    return bodies_of(robot, parts, no_progress)
 
 
 def whole_at(analysis: Analysis, bodies: dict[str, Body], at: dict[str, float]) -> Whole:
@@ -89,7 +90,7 @@ def test_a_slide_with_a_rigid_body_and_a_spinning_rod(folder: Path) -> None:
     for one, spins in ((robot, 1), (other, 0)):
         analysis = Analysis(one)
         compare(analysis, parts, {})
-        assert whole_at(analysis, parts, {}).free_motions().shape[1] == spins
+        assert whole_at(analysis, parts, {}).free_motions.shape[1] == spins
 
 
 def test_two_bars_in_line_are_one_long_bar(folder: Path) -> None:

@@ -8,13 +8,17 @@ they must agree within both.
 
 from __future__ import annotations
 
-import shutil
-import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
+from benchmarks.fea.calculix import TO_CALCULIX, readings, tip_quadrature, tip_triangles
+from calculix_runs import (  # type: ignore[import-not-found]
+    clamped_solid,
+    needs_calculix,
+    run_calculix,
+    static_step,
+)
 
 pytest.importorskip("netgen.occ")
 
@@ -35,27 +39,20 @@ from stiffkit.fea import (
 from stiffkit.fea.adapt import AdaptSettings, adapt
 from stiffkit.fea.fields import CASES, face_nodes
 from stiffkit.identify import Field, identify
-from stiffkit.identify.elements import ELEMENTS
 from stiffkit.identify.readers import read_field_file, read_node_sets, with_node_sets
 from stiffkit.identify.selection import InSet, field_of, select
 from stiffkit.identify.weights import area_weights
 from stiffkit.link import Material
 from stiffkit.link.checks import symmetrize
-from stiffkit.spatial import skew
 from stiffkit.spatial.rotation import Array
 
-pytestmark = pytest.mark.skipif(
-    shutil.which("ccx") is None, reason="CalculiX is not installed: apt-get install calculix-ccx"
-)
+pytestmark = needs_calculix
 
 STEEL = Material("steel", E=2.1e11, nu=0.3, density=7850.0)
 LOADS = np.diag([1.0, 1.0, 1.0, 0.01, 0.01, 0.01])
 """N and N m."""
 SIZES = (0.0055, 0.003)
 """m; CalculiX's own error follows from the difference."""
-TO_CALCULIX = [0, 2, 1, 3, 5, 7, 4, 6, 9, 8]
-TO_VTK = [0, 1, 2, 5, 3, 4]
-"""Nodes of Netgen's ten-node tetrahedra, which are left-handed, and of its six-node triangles."""
 
 SHAPE = """
 from netgen.occ import Box, X, Z
@@ -93,34 +90,7 @@ def ports(bracket: Part) -> tuple[Port, ...]:
     )
 
 
-def tip_triangles(mesh: PartMesh, tip: Port) -> NDArray[np.int64]:
-    own = np.isin(mesh.triangle_face, tip.faces)
-    return mesh.triangles[own][:, TO_VTK].astype(np.int64)
-
-
-def face_quadrature(mesh: PartMesh, tip: Port) -> tuple[Array, Array, Array]:
-    """Return points (t, q, 3) in the tip's triangles, their areas (t, q), and shapes (q, 6)."""
-    kind = ELEMENTS["triangle6"]
-    corners = mesh.points[tip_triangles(mesh, tip)]
-    tangents = np.einsum("qdk,tkc->tqdc", kind.gradients, corners)
-    density = np.linalg.norm(np.cross(tangents[:, :, 0], tangents[:, :, 1]), axis=2)
-    return kind.shape_functions @ corners, density * kind.weights, kind.shape_functions
-
-
-def nodal_forces(mesh: PartMesh, tip: Port, wrench: Array) -> Array:
-    """Return the forces (n, 3) of the traction (F + (J^-1 M) x r) / A on the tip."""
-    points, area, shapes = face_quadrature(mesh, tip)
-    arms = points - tip.point
-    J = np.einsum("tq,tqij->ij", area, np.array([[skew(r).T @ skew(r) for r in t] for t in arms]))
-    turn = np.linalg.solve(J, wrench[3:])
-    traction = wrench[:3] / area.sum() + np.cross(turn, arms)
-    forces = np.zeros_like(mesh.points)
-    shares = np.einsum("tq,qk,tqc->tkc", area, shapes, traction)
-    np.add.at(forces, tip_triangles(mesh, tip), shares)
-    return forces
-
-
-def deck(mesh: PartMesh, ports: tuple[Port, ...]) -> str:
+def deck(mesh: PartMesh, ports: tuple[Port, ...]) -> list[str]:
     """Return CalculiX's input, in metres and newtons."""
     rows = enumerate(mesh.points.tolist(), 1)
     lines = ["*NODE, NSET=ALL", *(f"{n}, {x:.12g}, {y:.12g}, {z:.12g}" for n, (x, y, z) in rows)]
@@ -130,15 +100,10 @@ def deck(mesh: PartMesh, ports: tuple[Port, ...]) -> str:
     for port in ports:
         nodes = face_nodes(mesh, port.faces, 2) + 1
         lines += [f"*NSET, NSET={port.name.upper()}", *map(str, nodes.tolist())]
-    lines += ["*MATERIAL, NAME=STEEL", "*ELASTIC", f"{STEEL.E}, {STEEL.nu}"]
-    lines += ["*SOLID SECTION, ELSET=PART, MATERIAL=STEEL", "*BOUNDARY", "BASE, 1, 3"]
-    for wrench in LOADS:
-        lines += ["*STEP", "*STATIC", "*CLOAD, OP=NEW"]
-        forces = nodal_forces(mesh, ports[1], wrench)
-        for node in np.flatnonzero(forces.any(axis=1)).tolist():
-            lines += [f"{node + 1}, {axis}, {f:.12e}" for axis, f in enumerate(forces[node], 1)]
-        lines += ["*NODE FILE", "U", "*END STEP"]
-    return "\n".join([*lines, ""])
+    lines += clamped_solid("PART", STEEL.E, STEEL.nu)
+    for load, row in zip(np.diag(LOADS), readings(mesh, ports[1]), strict=True):
+        lines += static_step(load * row.reshape(-1, 3))
+    return lines
 
 
 @pytest.fixture(scope="module")
@@ -149,11 +114,7 @@ def solved(
     folders = []
     for mesh in meshes:
         folder = tmp_path_factory.mktemp("calculix")
-        (folder / "part.inp").write_text(deck(mesh, ports), encoding="ascii")
-        done = subprocess.run(
-            ["ccx", "-i", "part"], cwd=folder, capture_output=True, text=True, check=False
-        )
-        assert done.returncode == 0, done.stdout[-2000:]
+        run_calculix(folder, "part", deck(mesh, ports))
         folders.append(folder)
     return folders
 
@@ -199,7 +160,7 @@ def test_the_same_mesh_and_elements_give_the_same_compliance(
     mesh, tip = meshes[0], ports[1]
     file = read_field_file(solved[0] / "part.frd")
     u = np.stack([file.cases[name] for name in file.cases])[:, np.argsort(file.ids)]
-    points, area, shapes = face_quadrature(mesh, tip)
+    points, area, shapes = tip_quadrature(mesh, tip)
     moved = np.einsum("qk,mtkc->mtqc", shapes, u[:, tip_triangles(mesh, tip)])
     field = Field(points.reshape(-1, 3), moved.reshape(6, -1, 3), area.ravel(), CASES)
     theirs = symmetrize(identify(field, LOADS, tip.point).compliance)

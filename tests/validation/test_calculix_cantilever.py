@@ -8,11 +8,14 @@ here, solved by ccx (Debian's calculix-ccx) and its result read back.
 
 from __future__ import annotations
 
-import shutil
-import subprocess
-
 import numpy as np
 import pytest
+from calculix_runs import (  # type: ignore[import-not-found]
+    clamped_solid,
+    needs_calculix,
+    run_calculix,
+    static_step,
+)
 from numpy.typing import NDArray
 
 from stiffkit.identify import Identified, identify
@@ -33,9 +36,7 @@ FORCE, MOMENT = 1.0, 1000.0
 """N and N mm: small enough for six digits of text to hold linear displacements."""
 TIP = np.array([LENGTH, 0.0, 0.0])
 
-pytestmark = pytest.mark.skipif(
-    shutil.which("ccx") is None, reason="CalculiX is not installed: apt-get install calculix-ccx"
-)
+pytestmark = needs_calculix
 
 
 def mesh() -> tuple[Array, NDArray[np.int64]]:
@@ -49,10 +50,8 @@ def mesh() -> tuple[Array, NDArray[np.int64]]:
     return nodes, which.reshape(len(cells), 20)
 
 
-def deck(
-    nodes: Array, cells: NDArray[np.int64], loads: list[tuple[NDArray[np.int64], Array]]
-) -> str:
-    """Return the input deck; each load case is the forces (k, 3) on some rows of the nodes."""
+def deck(nodes: Array, cells: NDArray[np.int64], loads: list[Array]) -> list[str]:
+    """Return the input deck; each load case is the forces (n, 3) on the nodes."""
     lines = ["*NODE, NSET=ALL"]
     lines += [f"{n}, {x:.9g}, {y:.9g}, {z:.9g}" for n, (x, y, z) in enumerate(nodes.tolist(), 1)]
     lines.append("*ELEMENT, TYPE=C3D20R, ELSET=BEAM")
@@ -60,14 +59,10 @@ def deck(
         lines += [f"{n}, " + ", ".join(map(str, cell[:10])) + ",", ", ".join(map(str, cell[10:]))]
     for name, place in (("BASE", 0.0), ("TIP", LENGTH)):
         lines += [f"*NSET, NSET={name}", *map(str, np.flatnonzero(nodes[:, 0] == place) + 1)]
-    lines += ["*MATERIAL, NAME=STEEL", "*ELASTIC", f"{E}, {NU}"]
-    lines += ["*SOLID SECTION, ELSET=BEAM, MATERIAL=STEEL", "*BOUNDARY", "BASE, 1, 3"]
-    for rows, forces in loads:
-        lines += ["*STEP", "*STATIC", "*CLOAD, OP=NEW"]
-        for row, force in zip(rows.tolist(), forces.tolist(), strict=True):
-            lines += [f"{row + 1}, {axis}, {f:.12e}" for axis, f in enumerate(force, 1) if f]
-        lines += ["*NODE FILE", "U", "*END STEP"]
-    return "\n".join([*lines, ""])
+    lines += clamped_solid("BEAM", E, NU)
+    for forces in loads:
+        lines += static_step(forces)
+    return lines
 
 
 def spread(arms: Array, weights: Array, wrench: Array) -> Array:
@@ -96,12 +91,12 @@ def solved(tmp_path_factory: pytest.TempPathFactory) -> FieldFile:
     weights = area_weights(blank, tip).values
     arms = nodes[tip.rows] - TIP
     wrenches = np.diag([FORCE] * 3 + [MOMENT] * 3)
-    loads = [(tip.rows, spread(arms, weights, wrench)) for wrench in wrenches]
-    (folder / "beam.inp").write_text(deck(nodes, cells, loads), encoding="ascii")
-    done = subprocess.run(
-        ["ccx", "-i", "beam"], cwd=folder, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stdout[-2000:]
+    loads = []
+    for wrench in wrenches:
+        forces = np.zeros_like(nodes)
+        forces[tip.rows] = spread(arms, weights, wrench)
+        loads.append(forces)
+    run_calculix(folder, "beam", deck(nodes, cells, loads))
     file = read_field_file(folder / "beam.frd")
     return with_node_sets(file, read_node_sets(folder / "beam.inp"))
 

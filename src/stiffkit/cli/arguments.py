@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from stiffkit.errors import PoseError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     import numpy as np
     from numpy.typing import NDArray
 
@@ -19,6 +22,35 @@ WRENCH = ("fx", "fy", "fz", "mx", "my", "mz")
 json_option = click.option(
     "--json", "as_json", is_flag=True, help="Print JSON (SI units) instead of text."
 )
+
+
+def output_option(what: str) -> Callable[[Any], Any]:
+    """Return the option -o for the path of what a command writes, in words."""
+    return click.option("-o", "--output", type=click.Path(path_type=Path), default=None, help=what)
+
+
+def set_option(what: str, example: str) -> Callable[[Any], Any]:
+    """Return the option --set, which replaces ``what``."""
+    return click.option(
+        "--set",
+        "settings",
+        multiple=True,
+        metavar="NAME=VALUE",
+        help=f"Replace {what}, such as --set {example}. Repeatable.",
+    )
+
+
+parameter_option = set_option("a parameter of the robot file", "L1=900mm")
+
+
+def set_values(settings: tuple[str, ...]) -> dict[str, str]:
+    """Return the values of ``--set NAME=VALUE`` by name."""
+    return assignments(",".join(settings), "--set")
+
+
+def results_folder(name: str, output: Path | None, *, as_json: bool) -> Path | None:
+    """Return where results go: stiffkit-NAME here if nothing is said, and nowhere for JSON."""
+    return Path(f"stiffkit-{name}") if output is None and not as_json else output
 
 
 def assignments(text: str, option: str) -> dict[str, str]:

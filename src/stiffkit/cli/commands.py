@@ -6,7 +6,6 @@ has been read, so that a slip is told at once.
 
 from __future__ import annotations
 
-import json
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,11 +13,20 @@ from typing import TYPE_CHECKING
 import click
 
 from stiffkit import __version__
-from stiffkit.cli.arguments import RobotArgument, assignments, json_option, load_cases, tool_pose
+from stiffkit.cli.arguments import (
+    RobotArgument,
+    json_option,
+    load_cases,
+    output_option,
+    parameter_option,
+    set_values,
+    tool_pose,
+)
 from stiffkit.cli.identifying import advise, identify
 from stiffkit.cli.linking import link
 from stiffkit.cli.parts import parts
 from stiffkit.cli.reproducing import reproduce
+from stiffkit.cli.studying import study
 from stiffkit.cli.verifying import verify
 from stiffkit.errors import PoseError
 
@@ -27,13 +35,6 @@ if TYPE_CHECKING:
     from stiffkit.study import ModesResult
 
 _robot = click.argument("robot", type=RobotArgument())
-_set = click.option(
-    "--set",
-    "settings",
-    multiple=True,
-    metavar="NAME=VALUE",
-    help="Replace a parameter of the robot file, such as --set L1=900mm. Repeatable.",
-)
 _at = click.option(
     "--at",
     multiple=True,
@@ -48,7 +49,7 @@ def _load(robot: str, settings: tuple[str, ...]) -> Robot:
     from stiffkit.cli.show import progress
     from stiffkit.robot import load_robot
 
-    given = assignments(",".join(settings), "--set")
+    given = set_values(settings)
     with progress(sys.stderr.isatty()) as report:
         return load_robot(robot, given, report)
 
@@ -70,6 +71,7 @@ main.add_command(advise)
 main.add_command(link)
 main.add_command(parts)
 main.add_command(reproduce)
+main.add_command(study)
 main.add_command(verify)
 
 
@@ -89,7 +91,7 @@ def robots() -> None:
 
 @main.command()
 @_robot
-@_set
+@parameter_option
 def check(robot: str, settings: tuple[str, ...]) -> None:
     """Read a robot file, put the robot together and say what it is.
 
@@ -123,7 +125,7 @@ def check(robot: str, settings: tuple[str, ...]) -> None:
     help="refined: links, joints and drives are elastic; simplified: drives only.",
 )
 @json_option
-@_set
+@parameter_option
 def pose(
     robot: str,
     at: tuple[str, ...],
@@ -138,8 +140,8 @@ def pose(
     """
     loaded = _load(robot, settings)
     coordinates, loads = tool_pose(at), load_cases(load, loaded)
-    from stiffkit.cli.show import show_pose
-    from stiffkit.study import analyse_pose
+    from stiffkit.cli.show import show_pose, tell
+    from stiffkit.study import PoseResult, analyse_pose
 
     result = analyse_pose(
         loaded,
@@ -147,10 +149,7 @@ def pose(
         model="simplified" if model == "simplified" else "refined",
         loads=loads,
     )
-    if as_json:
-        click.echo(json.dumps(result.as_json(), indent=1, allow_nan=False))
-    else:
-        show_pose(result)
+    tell(result, show_pose, PoseResult.as_json, as_json=as_json)
 
 
 @main.command()
@@ -180,15 +179,11 @@ def pose(
     help="Elements of each link; by default 8 beam elements, or 20 rigid ones. Many take long.",
 )
 @json_option
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path, file_okay=True),
-    default=None,
-    help="Directory for modes.html, an animation that needs no network, and modes/, a figure of "
-    "each mode as SVG and PNG.",
+@output_option(
+    "Directory for modes.html, an animation that needs no network, and modes/, a figure of "
+    "each mode as SVG and PNG."
 )
-@_set
+@parameter_option
 def modes(
     robot: str,
     at: tuple[str, ...],
@@ -205,19 +200,15 @@ def modes(
     """
     loaded = _load(robot, settings)
     coordinates = tool_pose(at)
-    from stiffkit.cli.show import show_modes
-    from stiffkit.study import MODELS_OF_VIBRATION, analyse_modes
+    from stiffkit.cli.show import show_modes, tell
+    from stiffkit.study import MODELS_OF_VIBRATION, ModesResult, analyse_modes
 
     chosen = next(name for name in MODELS_OF_VIBRATION if name == model)
     result = analyse_modes(loaded, coordinates, n_modes, model=chosen, n_elements=elements)
     if output is not None:
         _write_modes(result, output)
-    if as_json:
-        click.echo(json.dumps(result.as_json(), indent=1, allow_nan=False))
-        return
-    show_modes(result)
-    if output is not None:
-        click.echo(f"open {output / 'modes.html'}")
+    written = [] if output is None else [f"open {output / 'modes.html'}"]
+    tell(result, show_modes, ModesResult.as_json, as_json=as_json, written=written)
 
 
 def _write_modes(result: ModesResult, output: Path) -> None:
@@ -239,21 +230,27 @@ def _write_modes(result: ModesResult, output: Path) -> None:
 
 @main.command(name="map")
 @_robot
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path, file_okay=True),
-    default=None,
-    help="Directory for the results; by default stiffkit-NAME here.",
-)
+@output_option("Directory for the results; by default stiffkit-NAME here.")
 @click.option(
     "--points",
     type=click.IntRange(min=1, max=100_000_000),
     default=None,
     help="About how many postures; by default what the robot file asks for, else a quick map.",
 )
-@_set
-def map_(robot: str, output: Path | None, points: int | None, settings: tuple[str, ...]) -> None:
+@click.option(
+    "--threads",
+    type=click.IntRange(min=1, max=1024),
+    default=None,
+    help="How many threads compute; by default STIFFKIT_THREADS, else all processors.",
+)
+@parameter_option
+def map_(
+    robot: str,
+    output: Path | None,
+    points: int | None,
+    threads: int | None,
+    settings: tuple[str, ...],
+) -> None:
     """Stiffness over the whole workspace: dataset, figures and an interactive report.
 
     Writes map.nc (or map.zarr if large), figures/ as SVG and PNG, and report.html, which needs no
@@ -269,7 +266,7 @@ def map_(robot: str, output: Path | None, points: int | None, settings: tuple[st
     with whole_directory(target) as work, progress(sys.stderr.isatty()) as report:
         analysis = Analysis(loaded)
         summary = summarise(analysis)
-        dataset = map_workspace(analysis, points=points, progress=report)
+        dataset = map_workspace(analysis, points=points, threads=threads, progress=report)
         report("writing the dataset", 1.0)
         write_dataset(dataset, work)
         report("drawing figures", 1.0)
@@ -288,11 +285,14 @@ def map_(robot: str, output: Path | None, points: int | None, settings: tuple[st
 
 
 @main.command()
-@click.argument("kind", type=click.Choice(["robot", "link", "identify", "cad"]), default="robot")
+@click.argument(
+    "kind", type=click.Choice(["robot", "link", "identify", "cad", "study"]), default="robot"
+)
 def schema(kind: str) -> None:
     """Print the JSON Schema of robot files, link files or specifications, for editors.
 
-    Specifications are those of identifications (identify) and of links from CAD (cad).
+    Specifications are those of identifications (identify), of links from CAD (cad) and of long
+    studies (study).
 
     Example:  stiffkit schema > robot.schema.json
     """

@@ -2,24 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from pathlib import Path
 
 import click
 
-from stiffkit.cli.arguments import json_option
+from stiffkit.cli.arguments import json_option, output_option, results_folder
 
 
 @click.command()
 @click.argument("spec", type=click.Path(path_type=Path))
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path, file_okay=True),
-    default=None,
-    help="Directory for the results; by default stiffkit-NAME here, and none with --json.",
-)
+@output_option("Directory for the results; by default stiffkit-NAME here, and none with --json.")
 @json_option
 def identify(spec: Path, output: Path | None, as_json: bool) -> None:
     """Compliance of a link from displacement fields, with error bars.
@@ -29,13 +22,14 @@ def identify(spec: Path, output: Path | None, as_json: bool) -> None:
 
     Example:  stiffkit identify foot.yaml -o out/foot
     """
-    from stiffkit.cli.show import progress
+    from stiffkit.cli.show import progress, tell
     from stiffkit.cli.show_identified import show_identified
     from stiffkit.identify import as_json as plain
     from stiffkit.identify import identify_link, read_spec
 
     checked = read_spec(spec)
-    target = Path(f"stiffkit-{checked.name}") if output is None and not as_json else output
+    target = results_folder(checked.name, output, as_json=as_json)
+    link_file = f"{checked.name}.link.yaml"
     with progress(sys.stderr.isatty()) as report:
         found = identify_link(checked, report)
         if target is not None:
@@ -43,18 +37,16 @@ def identify(spec: Path, output: Path | None, as_json: bool) -> None:
             from stiffkit.study import identification, whole_directory
 
             found.check()
-            link_file = f"{checked.name}.link.yaml"
             with whole_directory(target, identification(link_file)) as work:
                 found.write(work / link_file)
                 report("writing the report", 0.9)
                 write_identify_page(found, work / "report.html")
-    if as_json:
-        click.echo(json.dumps(plain(found), indent=1, allow_nan=False))
-        return
-    show_identified(found)
-    if target is not None:
-        click.echo(f"compliance: {target / link_file}")
-        click.echo(f"open {target / 'report.html'}")
+    written = (
+        []
+        if target is None
+        else [f"compliance: {target / link_file}", f"open {target / 'report.html'}"]
+    )
+    tell(found, show_identified, plain, as_json=as_json, written=written)
 
 
 @click.command()
@@ -85,6 +77,7 @@ def advise(
 
     Example:  stiffkit advise foot.link.yaml --noise 5e-5mm --size 10mm --nodes 1331
     """
+    from stiffkit.cli.show import tell
     from stiffkit.cli.show_identified import advice_as_json, show_advice
     from stiffkit.identify import advise_link
     from stiffkit.units import LENGTH, to_si
@@ -96,7 +89,4 @@ def advise(
         count=nodes,
         accuracy=accuracy,
     )
-    if as_json:
-        click.echo(json.dumps(advice_as_json(found), indent=1, allow_nan=False))
-    else:
-        show_advice(found)
+    tell(found, show_advice, advice_as_json, as_json=as_json)

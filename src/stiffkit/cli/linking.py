@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from stiffkit.cli.arguments import json_option
+from stiffkit.cli.arguments import json_option, output_option, results_folder
 from stiffkit.errors import CadError
 
 if TYPE_CHECKING:
@@ -19,13 +18,8 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("source", metavar="SPEC", type=click.Path(path_type=Path))
 @click.option("--faces", is_flag=True, help="List the part's faces instead; SPEC may be the part.")
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path, file_okay=True),
-    default=None,
-    help="Directory for the results; by default stiffkit-NAME here, and none with --json or "
-    "--faces.",
+@output_option(
+    "Directory for the results; by default stiffkit-NAME here, and none with --json or --faces."
 )
 @json_option
 def link(source: Path, faces: bool, output: Path | None, as_json: bool) -> None:
@@ -50,12 +44,12 @@ def link(source: Path, faces: bool, output: Path | None, as_json: bool) -> None:
             "specification of them",
         )
     checked = read_link_spec(source)
-    from stiffkit.cli.show import progress
+    from stiffkit.cli.show import progress, tell
     from stiffkit.cli.show_link import show_link
     from stiffkit.fea.cad_link import as_json as plain
     from stiffkit.fea.cad_link import link_from_cad
 
-    target = Path(f"stiffkit-{checked.name}") if output is None and not as_json else output
+    target = results_folder(checked.name, output, as_json=as_json)
     link_file = f"{checked.name}.link.yaml"
     with progress(sys.stderr.isatty()) as report:
         found = link_from_cad(checked, report)
@@ -70,13 +64,10 @@ def link(source: Path, faces: bool, output: Path | None, as_json: bool) -> None:
                 figures = write_link_figures(found, work / "figures")
                 report("writing the report", 0.98)
                 write_link_page(found, figures, work / "report.html")
-    if as_json:
-        click.echo(json.dumps(plain(found), indent=1, allow_nan=False))
-        return
-    show_link(found)
-    if target is not None:
-        click.echo(f"link: {target / link_file}")
-        click.echo(f"open {target / 'report.html'}")
+    written = (
+        [] if target is None else [f"link: {target / link_file}", f"open {target / 'report.html'}"]
+    )
+    tell(found, show_link, plain, as_json=as_json, written=written)
 
 
 def _list_faces(source: Path, output: Path | None, as_json: bool) -> None:
@@ -87,14 +78,11 @@ def _list_faces(source: Path, output: Path | None, as_json: bool) -> None:
 
         with whole_directory(output, FACES) as work:
             write_face_figure(part, work / "faces")
+    from stiffkit.cli.show import tell
     from stiffkit.cli.show_link import faces_as_json, show_faces
 
-    if as_json:
-        click.echo(json.dumps(faces_as_json(part), indent=1, allow_nan=False))
-        return
-    show_faces(part)
-    if output is not None:
-        click.echo(f"picture: {output / 'faces.png'}")
+    written = [] if output is None else [f"picture: {output / 'faces.png'}"]
+    tell(part, show_faces, faces_as_json, as_json=as_json, written=written)
 
 
 def _part(source: Path) -> Part:

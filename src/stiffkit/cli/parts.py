@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stiffkit.cli.arguments import assignments, json_option
+from stiffkit.cli.arguments import json_option, output_option, set_option, set_values
 from stiffkit.errors import CadError
 
 if TYPE_CHECKING:
@@ -21,16 +21,8 @@ _WIDTH = 98
 
 @click.command()
 @click.argument("name", metavar="[NAME]", required=False)
-@click.option(
-    "--set",
-    "settings",
-    multiple=True,
-    metavar="NAME=VALUE",
-    help="Replace a dimension, such as --set length=160mm. Repeatable.",
-)
-@click.option(
-    "-o", "--output", type=click.Path(path_type=Path), default=None, help="STEP file to write."
-)
+@set_option("a dimension", "length=160mm")
+@output_option("STEP file to write.")
 @json_option
 def parts(name: str | None, settings: tuple[str, ...], output: Path | None, as_json: bool) -> None:
     """List the parametric parts, or show one of them with its dimensions and faces.
@@ -64,15 +56,11 @@ def parts(name: str | None, settings: tuple[str, ...], output: Path | None, as_j
 def _made(part: ParametricPart, settings: tuple[str, ...]) -> RegisteredPart:
     """Return the part with the dimensions that were set."""
     from stiffkit.fea.sources import RegisteredPart
-    from stiffkit.files.names import suggest
     from stiffkit.units import to_si
 
-    units = {dimension.name: dimension.unit for dimension in part.dimensions}
-    given = assignments(",".join(settings), "--set")
-    for key in given:
-        if key not in units:
-            raise CadError(f"{part.name} has no dimension '{key}'", mend=suggest(key, units))
-    values = {key: to_si(value, units[key]) for key, value in given.items()}
+    values = {
+        key: to_si(value, part.dimension(key).unit) for key, value in set_values(settings).items()
+    }
     return RegisteredPart(part.name, values)
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stiffkit.cli.arguments import json_option
+from stiffkit.cli.arguments import json_option, output_option
 
 if TYPE_CHECKING:
     from stiffkit.reproduce import Entry, Reproduction
@@ -25,13 +25,7 @@ WIDTH = 98
     is_flag=True,
     help="Solve the finest mesh of Table 5 too, which takes minutes and 4 GB of memory.",
 )
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path, file_okay=True),
-    default=None,
-    help="Directory for reproduction.json and the figures, as SVG and PNG.",
-)
+@output_option("Directory for reproduction.json and the figures, as SVG and PNG.")
 @json_option
 def reproduce(paper: str, full: bool, output: Path | None, as_json: bool) -> None:
     """Compute the tables and figures of a paper again, beside the printed numbers.

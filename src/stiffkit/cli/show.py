@@ -2,28 +2,49 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from textwrap import fill, wrap
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 import numpy as np
 
+from stiffkit.progress import Progress, no_progress
 from stiffkit.robot import DIRECTIONS
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
     from stiffkit.stiffness import PrincipalAxes
     from stiffkit.study import ModesResult, PoseResult, Summary
 
+R = TypeVar("R")
+
 
 def heading(text: str) -> None:
     """Print a heading."""
     click.echo(click.style(text, bold=True))
+
+
+def tell(
+    result: R,
+    show: Callable[[R], None],
+    plain: Callable[[R], Any],
+    *,
+    as_json: bool,
+    written: Sequence[str] = (),
+) -> None:
+    """Print a result and lines on what was ``written``, or only JSON of its plain values."""
+    if as_json:
+        click.echo(json.dumps(plain(result), indent=1, allow_nan=False))
+        return
+    show(result)
+    for line in written:
+        click.echo(line)
 
 
 def show_summary(summary: Summary) -> None:
@@ -127,15 +148,19 @@ def _show_matrix(matrix: NDArray[np.float64]) -> None:
 
 
 @contextmanager
-def progress(enabled: bool) -> Iterator[Callable[[str, float], None]]:
+def progress(enabled: bool) -> Iterator[Progress]:
     """Show a bar on a terminal, and nothing elsewhere."""
     if not enabled:
-        yield lambda _what, _share: None
+        yield no_progress
         return
+    from rich import progress as bars
     from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-    columns = (TextColumn("{task.description:<24}"), BarColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+    columns = (
+        bars.TextColumn("{task.description:<24}"),
+        bars.BarColumn(),
+        bars.TimeElapsedColumn(),
+    )
+    with bars.Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("starting", total=1.0)
         yield lambda what, share: bar.update(task, description=what, completed=share)

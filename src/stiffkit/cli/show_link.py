@@ -119,12 +119,12 @@ def show_link(link: CadLink) -> None:
     heading("solutions")
     click.echo(
         f"  {'mesh':>4}{'order':>8}{'elements':>10}{'unknowns':>10}{'seconds':>9}"
-        f"{'estimate':>11}{'from last':>11}"
+        f"{'estimate':>11}{'from result':>13}"
     )
     for step in solved.steps:
         click.echo(
             f"  {step.mesh:>4}{step.orders:>8}{step.elements:>10}{step.unknowns:>10}"
-            f"{step.seconds:>9.1f}{_percent(step.estimate):>11}{_percent(step.change):>11}"
+            f"{step.seconds:>9.1f}{_percent(step.estimate):>11}{_percent(step.change):>13}"
         )
     if link.from_cache:
         click.echo("  solved before, taken from the cache")

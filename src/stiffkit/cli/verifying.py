@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from stiffkit.cli.arguments import RobotArgument, assignments, json_option, tool_pose
+from stiffkit.cli.arguments import (
+    RobotArgument,
+    json_option,
+    output_option,
+    parameter_option,
+    set_values,
+    tool_pose,
+)
 from stiffkit.errors import PoseError
 
 if TYPE_CHECKING:
@@ -51,20 +58,8 @@ if TYPE_CHECKING:
 @click.option("--allow-overlap", is_flag=True, help="Go on where parts overlap.")
 @click.option("--allow-gaps", is_flag=True, help="Go on where interfaces of a joint do not meet.")
 @json_option
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path, file_okay=True),
-    default=None,
-    help="Directory for verify.json.",
-)
-@click.option(
-    "--set",
-    "settings",
-    multiple=True,
-    metavar="NAME=VALUE",
-    help="Replace a parameter of the robot file, such as --set L1=900mm. Repeatable.",
-)
+@output_option("Directory for verify.json.")
+@parameter_option
 def verify(
     robot: str,
     at: tuple[str, ...],
@@ -86,7 +81,7 @@ def verify(
     Example:  stiffkit verify biglide-cad --at x=0.4975,y=0
     """
     postures, largest = [tool_pose((one,)) for one in at], _size(size)
-    given = assignments(",".join(settings), "--set")
+    given = set_values(settings)
     from stiffkit.cli.show import progress
     from stiffkit.robot import load_robot
     from stiffkit.study import VERIFICATION, whole_directory

@@ -6,7 +6,7 @@ import importlib.util
 import os
 import warnings
 from collections import OrderedDict
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from functools import cache
 from typing import Any, Literal
 
@@ -20,6 +20,17 @@ Backend = Literal["auto", "heyoka", "numpy"]
 
 CHUNK = 1024
 """Postures per call of compiled code: inputs, constants and outputs then stay in the L2 cache."""
+
+LARGEST_CHUNK = 4096
+"""The same for small kernels, which would take less time than calling them."""
+
+_WORKING_SET = 1 << 20
+"""Bytes of inputs, constants and outputs of one call."""
+
+LANES = 8
+"""Postures are computed in groups of as many, filled up if need be, so that the numbers of one do
+not depend on how many others there are: what is left over after whole registers would be computed
+by other machine code."""
 
 WORTH_COMPILING = 4096
 """Postures after which "auto" compiles: interpreting them costs about as much as compiling."""
@@ -61,6 +72,10 @@ def default_backend() -> Backend:
     )
 
 
+Evaluate = Callable[[Array], Array]
+"""A kernel of one robot: inputs (n_inputs, N) to outputs (n_outputs, N)."""
+
+
 class BatchFunction:
     """A kernel that takes a batch of postures."""
 
@@ -71,17 +86,22 @@ class BatchFunction:
         self._values = kernel.constants.values
         self._pattern = kernel.constants.pattern
         self._seen = 0
+        self._compiled: _Compiled | None = None
 
     def __call__(self, inputs: Array) -> Array:
         """Return the outputs (n_outputs, N) at the inputs (n_inputs, N)."""
-        n = inputs.shape[1]
+        return self.ready_for(inputs.shape[1])(inputs)
+
+    def ready_for(self, n: int) -> Evaluate:
+        """Return this function for work on about ``n`` postures, given in any number of parts.
+
+        Whether it is compiled is decided here and now, so that no number depends on the order in
+        which the parts are computed; they may be computed by several threads.
+        """
         self._seen += n
-        if n == 0:
-            n_outputs = len(self._interpret(np.zeros((self.kernel.n_inputs, 1))))
-            return np.empty((n_outputs, 0))
-        if self._compile_now():
-            return self._run_compiled(inputs)
-        return self._interpret(inputs)
+        if self._compiled is None and n > 0 and self._compile_now():
+            self._compiled = _Compiled(self.compile(), self._free_values)
+        return self._compiled or self._interpret
 
     def _compile_now(self) -> bool:
         if self.backend == "numpy":
@@ -111,6 +131,8 @@ class BatchFunction:
     def _trace(self) -> Any:
         import heyoka
 
+        # It would tell on standard output that its cache on disk cannot be written.
+        heyoka.set_logger_level_error()
         inputs = heyoka.make_vars(*(f"x{i}" for i in range(self.kernel.n_inputs)))
         inputs = vector(inputs if isinstance(inputs, list) else [inputs])
         outputs = self.kernel.function(inputs, self._constant_scalars(heyoka))
@@ -127,25 +149,17 @@ class BatchFunction:
             free += fixed is None
         return vector(scalars)
 
-    def _run_compiled(self, inputs: Array) -> Array:
-        function = self.compile()
-        n = inputs.shape[1]
-        free = np.array([fixed is None for fixed in self._pattern], dtype=bool)
-        # Trailing constants that no output depends on are unknown to the compiled function.
-        parameters = self._values[free][: function.nparams]
-        outputs = np.empty((function.nouts, n))
-        broadcast = np.empty((0, 0))
-        for start in range(0, n, CHUNK):
-            chunk = np.ascontiguousarray(inputs[:, start : start + CHUNK])
-            if broadcast.shape[1] != chunk.shape[1]:
-                broadcast = np.repeat(parameters[:, None], chunk.shape[1], axis=1)
-            keywords = {"pars": broadcast} if parameters.size else {}
-            outputs[:, start : start + CHUNK] = function(chunk, **keywords)
-        return outputs
+    @property
+    def _free_values(self) -> Array:
+        """The constants that are inputs."""
+        return self._values[[fixed is None for fixed in self._pattern]]
 
     def _interpret(self, inputs: Array) -> Array:
         n = inputs.shape[1]
         constants = as_objects(self._values)
+        if n == 0:
+            n_outputs = len(self._interpret(np.zeros((self.kernel.n_inputs, 1))))
+            return np.empty((n_outputs, 0))
         if n == 1:
             # One posture runs on Python's own floats, ten times faster than on arrays of length 1.
             outputs = self.kernel.function(as_objects(inputs[:, 0]), constants)
@@ -160,3 +174,52 @@ class BatchFunction:
             for row, out in zip(chunks[-1], outputs, strict=True):
                 row[:] = out
         return np.concatenate(chunks, axis=1)
+
+
+class _Compiled:
+    """A compiled function and the constants of one robot."""
+
+    def __init__(self, function: Any, constants: Array) -> None:
+        self._function = function
+        # Trailing constants that no output depends on are unknown to the compiled function.
+        constants = constants[: function.nparams]
+        self._chunk = chunk_of(function.nvars + function.nouts + constants.size)
+        self._constants = np.repeat(constants[:, None], self._chunk, axis=1)
+
+    def __call__(self, inputs: Array) -> Array:
+        """Return the outputs (n_outputs, N) at the inputs (n_inputs, N)."""
+        n = inputs.shape[1]
+        if n <= self._chunk:
+            return self._evaluate(inputs, None)[:, :n]
+        outputs = np.empty((self._function.nouts, n))
+        whole = np.empty((self._function.nouts, self._chunk))
+        for start in range(0, n, self._chunk):
+            part = slice(start, min(start + self._chunk, n))
+            width = part.stop - part.start
+            into = whole if width == self._chunk else None
+            outputs[:, part] = self._evaluate(inputs[:, part], into)[:, :width]
+        return outputs
+
+    def _evaluate(self, inputs: Array, outputs: Array | None) -> Array:
+        chunk = filled_up(inputs)
+        keywords: dict[str, Any] = {"outputs": outputs} if outputs is not None else {}
+        if self._constants.size:
+            keywords["pars"] = np.ascontiguousarray(self._constants[:, : chunk.shape[1]])
+        # Threads are ours to start: inside of one of them there is none to spare.
+        return np.asarray(self._function(chunk, batch_parallel=False, **keywords))
+
+
+def chunk_of(numbers: int) -> int:
+    """Return how many postures to compute at a time, each with so many numbers in and out."""
+    chunk = LARGEST_CHUNK
+    while chunk > LARGEST_CHUNK // 16 and chunk * numbers * 8 > _WORKING_SET:
+        chunk //= 2
+    return chunk
+
+
+def filled_up(columns: Array) -> Array:
+    """Return columns (k, N) in a row of memory, the last one repeated up to whole `LANES`."""
+    missing = -columns.shape[1] % LANES
+    if missing and columns.shape[1]:
+        columns = np.concatenate([columns, np.repeat(columns[:, -1:], missing, axis=1)], axis=1)
+    return np.ascontiguousarray(columns)

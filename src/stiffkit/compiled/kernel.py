@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,42 +24,56 @@ class Constants:
     def __init__(self) -> None:
         """Start empty."""
         self._blocks: dict[str, tuple[slice, tuple[int, ...]]] = {}
-        self._values: list[float] = []
-        self._compiled_in: list[bool] = []
+        self._parts: list[Array] = []
+        self._rotations: list[bool] = []
+        self._size = 0
 
     def add(self, name: str, array: Array, *, rotation: bool = False) -> None:
         """Append a block; ``rotation`` says that its ones belong to the topology too."""
-        start = len(self._values)
-        flat = np.asarray(array, dtype=float).ravel()
-        self._values += flat.tolist()
-        exact = (flat == 0.0) | (rotation & (np.abs(flat) == 1.0))
-        self._compiled_in += exact.tolist()
-        self._blocks[name] = (slice(start, len(self._values)), np.shape(array))
+        flat = np.array(array, dtype=float).ravel()
+        start, self._size = self._size, self._size + flat.size
+        self._parts.append(flat)
+        self._rotations.append(rotation)
+        self._blocks[name] = (slice(start, self._size), np.shape(array))
 
     def add_symmetric(self, name: str, S: Array) -> None:
         """Append the lower triangle of a symmetric matrix."""
-        self.add(name, S[np.tril_indices(S.shape[0])])
+        self.add(name, S[_lower(S.shape[0])])
+
+    def copy(self) -> Constants:
+        """Return a copy, to which blocks can be added."""
+        copy = Constants()
+        copy._blocks = dict(self._blocks)
+        copy._parts = list(self._parts)
+        copy._rotations = list(self._rotations)
+        copy._size = self._size
+        return copy
 
     def extended(self, name: str, array: Array) -> Constants:
         """Return a copy with one more block."""
-        copy = Constants()
-        copy._blocks = dict(self._blocks)
-        copy._values = list(self._values)
-        copy._compiled_in = list(self._compiled_in)
+        copy = self.copy()
         copy.add(name, array)
         return copy
 
     @property
     def values(self) -> Array:
         """All numbers, (m,)."""
-        return np.array(self._values)
+        return np.concatenate([np.empty(0), *self._parts])
+
+    @property
+    def compiled_in(self) -> NDArray[np.bool_]:
+        """Which of the numbers are compiled in, (m,)."""
+        values = self.values
+        sizes = [part.size for part in self._parts]
+        rotation = np.repeat(np.array(self._rotations, dtype=bool), sizes)
+        return np.asarray((values == 0.0) | (rotation & (np.abs(values) == 1.0)))
 
     @property
     def pattern(self) -> tuple[float | None, ...]:
         """The value of each entry that is compiled in, None for those that are inputs."""
         return tuple(
             value if exact else None
-            for value, exact in zip(self._values, self._compiled_in, strict=True)
+            for value, exact in zip(self.values.tolist(), self.compiled_in.tolist(), strict=True)
         )
 
     @property
@@ -74,6 +89,12 @@ class Constants:
     def read_symmetric(self, c: Vector, name: str) -> Matrix:
         """Return a block that `add_symmetric` appended."""
         return from_lower_triangle(self.read(c, name))
+
+
+@cache
+def _lower(n: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return rows and columns of a lower triangle, row by row."""
+    return np.tril_indices(n)
 
 
 @dataclass(frozen=True, eq=False)

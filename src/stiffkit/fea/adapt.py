@@ -1,65 +1,46 @@
-"""The adaptive loop: orders and mesh are refined until the compliance stands still."""
+"""The adaptive loop: orders rise and elements are cut until the compliance stands still."""
 
 from __future__ import annotations
 
+import itertools
+import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from stiffkit.errors import CadError
 from stiffkit.fea.child import TIMEOUT
+from stiffkit.fea.choice import choose
 from stiffkit.fea.elasticity import SolveSettings
-from stiffkit.fea.estimate import (
-    convergence,
-    geometry_error,
-    relative_difference,
-    wanted_sizes,
-    whitening,
-)
+from stiffkit.fea.estimate import convergence, geometry_error, whitening
 from stiffkit.fea.geometry import Part
 from stiffkit.fea.interfaces import Port
 from stiffkit.fea.material import Law
-from stiffkit.fea.mesh import MeshSettings, PartMesh, coarse_settings, mesh_part
-from stiffkit.fea.orders import Gains, Orders
+from stiffkit.fea.memory import Fill
+from stiffkit.fea.mesh import MeshSettings, PartMesh, bisect_mesh, coarse_settings, mesh_part
+from stiffkit.fea.orders import Orders
 from stiffkit.fea.superelement import PortModel, reduce_part
-from stiffkit.fea.tets import volumes
 from stiffkit.spatial.rotation import Array
 
 FIRST_ORDER = 2
-"""Of all elements of the first mesh."""
-
-CHEAP = 80_000
-"""Unknowns up to which orders are raised without asking whether that will do."""
-
-AFFORDABLE = 300_000
-"""Unknowns that are worth spending on a mesh before it is judged."""
-
-LAST = 600_000
-"""Those within which it must then promise to reach the tolerance."""
-
-GROWTH = (1.3, 2.0)
-"""How many times as many elements the next mesh may have, at least and at most."""
-
-_FEWEST = 3
-"""Solutions that a mesh gets, if they are affordable, before it is judged."""
+"""Of all elements of a new mesh."""
 
 _ANSWER = 0.1
 """An estimate that makes a first answer: up to it, the mesh is not made again for its shape."""
 
-_SURELY = 0.7
-"""The share of the tolerance that is aimed at."""
+_SHAPE = 0.5
+"""The share of the tolerance that the mesh's shape may take."""
 
-_STUCK = 0.5
-"""The share that elements of the highest order may have before they are made smaller."""
+_BENDS = (1.0, 1.4, 1.8, 2.3, 3.0, 4.0, 5.0)
+"""How much finer than the first mesh the others resolve curved faces."""
 
-_SMALLER = 0.7
-"""Elements this much smaller than those that they replace begin with a lower order."""
+_WORK = 1.7
+"""A solve takes time with this power of the unknowns."""
 
-_MOST = 4.0
-"""How much more than is wanted the mesher is asked for, at most, where it makes too little."""
+_NOTHING_LEFT = 0.2
+"""The share of the tolerance below which more solves do not help where the shape is too bad."""
 
 
 @dataclass(frozen=True)
@@ -70,11 +51,13 @@ class AdaptSettings:
     """Relative error of the compliance, over all wrenches, that is asked for."""
     max_unknowns: int = 1_500_000
     max_seconds: float = 600.0
-    """s after which no further solve is begun."""
+    """s beyond which no further solve is expected to last."""
     solve: SolveSettings = field(default_factory=SolveSettings)
     """How each discretisation is solved; its order is the loop's to choose."""
     mesh: MeshSettings | None = None
     """The first mesh; chosen from the part's size if None."""
+    features: float | None = None
+    """m: smaller features refine no mesh; chosen mesh by mesh from the part's size if None."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +65,7 @@ class Level:
     """One solution on the way."""
 
     mesh: int
-    """Which mesh, from 0."""
+    """Which mesh of the mesher, from 0; elements may have been cut since."""
     orders: tuple[int, int]
     """The lowest and the highest of the elements."""
     n_tets: int
@@ -92,21 +75,21 @@ class Level:
     compliance: Array
     """(6(m-1), 6(m-1)), of the ports but the held one."""
     estimate: float
-    """Relative error of the compliance over all wrenches; inf for the first solution."""
+    """Relative error of the compliance over all wrenches; inf for a mesh's first solution."""
     geometry: float
     """The part of the estimate that is the mesh's shape."""
-    stuck: float
-    """The part that is left in elements of the highest order."""
     ratio: float
     """Of the errors of successive solutions, as estimated."""
 
 
 @dataclass(frozen=True, eq=False)
 class Adapted:
-    """The last solution, and the way to it."""
+    """The best solution, and the way to it and beyond."""
 
     model: PortModel
     mesh: PartMesh
+    level: Level
+    """Of the history, the one that the solution is of."""
     history: tuple[Level, ...]
     converged: bool
     """Whether the estimate is below the tolerance."""
@@ -116,7 +99,15 @@ class Adapted:
     @property
     def estimate(self) -> float:
         """Relative error of the compliance, over all wrenches."""
-        return self.history[-1].estimate
+        return self.level.estimate
+
+
+@dataclass(frozen=True, eq=False)
+class _Solution:
+    level: Level
+    mesh: PartMesh
+    orders: Orders
+    model: PortModel
 
 
 def adapt(
@@ -130,11 +121,11 @@ def adapt(
 ) -> Adapted:
     """Refine until the estimated error of the compliance is below the tolerance.
 
-    On each mesh the order is raised in the elements where that is to gain most, which is the
-    energy of the difference for all wrenches together, as long as it promises to do; then the
-    elements that hold most of what is left are made smaller and the whole is meshed anew.
-    ``progress`` is called after each solution. If time, unknowns or memory run out, the best
-    solution so far is returned with its estimate. Raises `CadError` if there is none.
+    With each solution, the elements that hold most of the error get a higher order or are cut, see
+    `choose`, so that the functions of one solution contain those of the one before. If the mesh
+    meets the part's shape too badly for the tolerance, the part is meshed anew, once there is a
+    first answer. ``progress`` is called after each solution. If time, unknowns or memory run out,
+    the best solution so far is returned with its estimate. Raises `CadError` if there is none.
     """
     return _Loop(part, ports, laws, settings or AdaptSettings(), held, progress).run()
 
@@ -153,206 +144,163 @@ class _Loop:
         self.settings, self.held, self.progress = settings, held, progress
         self.start = time.perf_counter()
         self.history: list[Level] = []
-        self.best: tuple[PortModel, PartMesh] | None = None
         self.chain: list[Array] = []
-        """Compliances of successive approximations."""
-        self.orders: Orders = np.ones(1, dtype=np.intp)
-        self.last: tuple[PartMesh, Gains] | None = None
-        """The last mesh, and what its orders gained."""
-        self.asked: tuple[int, float] | None = None
-        """How many elements the last mesh but one had, and how many times as many were wanted."""
-        self.distrust = 1.0
-        """How much too small the estimates have proved to be so far."""
+        """Compliances of successive approximations of one shape."""
+        self.n_meshes = 0
+        self.best: _Solution | None = None
+        self.last: _Solution | None = None
+        self.last_work: tuple[float, int] | None = None
+        """s that the last solve took, and its unknowns."""
+        self.fill: Fill | None = None
 
     def run(self) -> Adapted:
-        wanted = self.settings.mesh or coarse_settings(self.part)
         stopped = ""
-        for number in range(100):
-            try:
-                mesh = mesh_part(self.part, wanted, timeout=self._time_to_mesh())
-                gains, stopped = self._raise_orders(mesh, number)
-            except CadError as error:
-                if self.best is None:
-                    raise
-                stopped = error.what
-                break
-            if stopped or self._is_done():
-                break
-            wanted = self._finer(mesh, gains)
-            self.last = (mesh, gains)
-        if self.best is None:
+        try:
+            self._approach()
+        except CadError as error:
+            if self.best is None:
+                raise
+            stopped = error.what
+        best = self.best
+        if best is None:
             raise CadError("no solution was found within the limits", mend="allow more")
-        model, mesh = self.best
+        model = best.model
         if model.solver.body.is_released:
-            # A solve that failed came after it; what is still to be asked of it needs its factor.
-            settings = model.solver.body.settings
-            model = reduce_part(mesh, self.ports, self.laws, settings, self.held)
-        return Adapted(model, mesh, tuple(self.history), self._is_done(), stopped)
+            # What is still to be asked of it needs its factor.
+            model = self._reduce(best.mesh, best.orders)
+        done = best.level.estimate <= self.settings.tolerance
+        return Adapted(model, best.mesh, best.level, tuple(self.history), done, stopped)
 
-    def _time_to_mesh(self) -> float:
-        """Return the s that a mesh may take: the first as many as it needs."""
-        if self.best is None:
-            return TIMEOUT
-        return max(1.0, self.settings.max_seconds - (time.perf_counter() - self.start))
+    def _approach(self) -> None:
+        """Solve and refine until the tolerance is reached; raise `CadError` where it cannot be."""
+        wanted = self.settings.mesh or coarse_settings(self.part)
+        if self.settings.features is not None:
+            wanted = replace(wanted, feature=self.settings.features)
+        mesh = self._new_mesh(wanted)
+        orders = np.full(len(mesh.tets), FIRST_ORDER)
+        keeps_shape = False
+        while True:
+            last = self._solve(mesh, orders)
+            level = last.level
+            if level.estimate <= self.settings.tolerance:
+                return
+            if not keeps_shape and level.estimate < _ANSWER and not self._has_shape(mesh):
+                keeps_shape = True
+                better = self._better_shape(mesh)
+                if better is not None:
+                    mesh, orders = better, np.full(len(better.tets), FIRST_ORDER)
+                    self.chain.clear()
+                    continue
+            left = level.estimate - level.geometry
+            if keeps_shape and left < _NOTHING_LEFT * self.settings.tolerance < level.geometry:
+                raise CadError("the mesh meets the part's shape no better")
+            mesh, orders = self._refined(last)
 
-    def _is_done(self) -> bool:
-        return self.history[-1].estimate <= self.settings.tolerance
+    def _new_mesh(self, settings: MeshSettings) -> PartMesh:
+        """Return a mesh; the first may take as long as it needs, others the time that is left."""
+        timeout = TIMEOUT if self.best is None else max(1.0, self._seconds_left())
+        return mesh_part(self.part, settings, timeout=timeout)
 
-    def _raise_orders(self, mesh: PartMesh, number: int) -> tuple[Gains, str]:
-        """Solve with rising orders on a mesh; return their gains and why it must end, if so."""
-        model, gains = self._begin(mesh, number)
-        stopped = ""
-        while not (self._is_done() or stopped):
-            orders = gains.raised()
-            if np.array_equal(orders, gains.orders) or not self._another_pays(gains):
+    def _seconds_left(self) -> float:
+        return self.settings.max_seconds - (time.perf_counter() - self.start)
+
+    def _has_shape(self, mesh: PartMesh) -> bool:
+        return _shape_error(mesh) <= _SHAPE * self.settings.tolerance
+
+    def _better_shape(self, mesh: PartMesh) -> PartMesh | None:
+        """Return a mesh that meets the part's shape well enough, or best; None if none is better.
+
+        One that is too large to be solved is none.
+        """
+        first, best = mesh.settings, mesh
+        for previous, bends in itertools.pairwise(_BENDS):
+            if self._is_too_large(len(best.tets), (bends / previous) ** 2):
                 break
-            stopped = self._limit(mesh, orders)
-            if not stopped:
-                before, model = model, self._solve(mesh, orders)
-                gains.learn(orders, _energies(before, model))
-                self._record(number, gains)
-        self._learn(number)
-        return gains, stopped
+            feature = self.settings.features or first.feature / bends
+            finer = replace(first, curvature=bends * first.curvature, feature=feature)
+            try:
+                found = self._new_mesh(finer)
+            except CadError:
+                break
+            if _shape_error(found) < _shape_error(best):
+                best = found
+            if self._has_shape(best):
+                break
+        self.n_meshes += best is not mesh
+        return None if best is mesh else best
 
-    def _begin(self, mesh: PartMesh, number: int) -> tuple[PortModel, Gains]:
-        """Solve on a new mesh with the orders that the last one ended with, at the same places."""
-        if self.last is None:
-            orders = np.full(len(mesh.tets), FIRST_ORDER, dtype=np.intp)
-            before = self._solve(mesh, orders - 1)
-            self._record(number)
-            model = self._solve(mesh, orders)
-            gains = Gains(orders, _energies(before, model))
-        else:
-            old, gains = self.last
-            _, there = cKDTree(_centres(old)).query(_centres(mesh))
-            shrink = np.minimum(1.0, _sizes(mesh) / _sizes(old)[there])
-            orders = np.maximum(gains.orders[there] - (shrink < _SMALLER), FIRST_ORDER)
-            gains = gains.moved(orders, there, shrink)
-            if self._is_shape_bad():
-                # The next solution is no better approximation of the same, but of another shape.
-                self.chain.pop()
-            if reason := self._limit(mesh, orders):
-                raise CadError(reason, mend="allow more time or unknowns, or a larger error")
-            model = self._solve(mesh, orders)
-        self._record(number)
-        return model, gains
+    def _is_too_large(self, n_tets: int, growth: float) -> bool:
+        """Say whether a mesh with so many times as many elements is beyond all limits."""
+        # Quadratic elements have about four unknowns each, and more than once that is needed.
+        return 8.0 * growth * n_tets > self.settings.max_unknowns or self._seconds_left() < 0.0
 
-    def _solve(self, mesh: PartMesh, orders: Orders) -> PortModel:
-        if self.best is not None:
-            self.best[0].solver.body.release()
-        solve = replace(self.settings.solve, order=int(orders.max()), orders=orders)
-        model = reduce_part(mesh, self.ports, self.laws, solve, self.held)
-        self.best = (model, mesh)
-        self.orders = orders
-        return model
+    def _refined(self, last: _Solution) -> tuple[PartMesh, Orders]:
+        """Return the mesh and the orders (e,) of the next solution."""
+        W = whitening(last.model.solver.compliance_of_loads)
+        contents = last.model.solver.body.contents(last.model.solver.load_fields @ W)
+        choice = choose(last.orders, contents)
+        orders = last.orders + choice.raised
+        if not choice.cut.any():
+            return last.mesh, orders
+        mesh, parents = bisect_mesh(self.part, last.mesh, choice.cut)
+        return mesh, orders[parents]
 
-    def _record(self, number: int, gains: Gains | None = None) -> None:
-        """Add the last solution, and what it gained where that is known, to the history."""
-        if self.best is None:
-            return
-        model, mesh = self.best
+    def _solve(self, mesh: PartMesh, orders: Orders) -> _Solution:
+        """Solve within the limits, and add the solution to the history."""
+        self._check_limits(mesh, orders)
+        if self.last is not None:
+            self.last.model.solver.body.release()
+        before = time.perf_counter()
+        model = self._reduce(mesh, orders)
+        self.last_work = time.perf_counter() - before, model.n_unknowns
+        self.fill = model.solver.body.fill
         self.chain.append(model.compliance)
-        trend = convergence(self.chain)
-        shape = geometry_error(mesh.check.volume_error, mesh.check.area_error)
-        waiting = gains.waiting() * trend.change if gains else 0.0
+        trend, shape = convergence(self.chain), _shape_error(mesh)
         level = Level(
-            mesh=number,
-            orders=(int(self.orders.min()), int(self.orders.max())),
-            n_tets=mesh.check.n_tets,
+            mesh=self.n_meshes,
+            orders=(int(orders.min()), int(orders.max())),
+            n_tets=len(mesh.tets),
             n_unknowns=model.n_unknowns,
             seconds=time.perf_counter() - self.start,
             compliance=model.compliance,
-            estimate=self.distrust * (trend.error + waiting) + shape,
-            stuck=self.distrust * gains.stuck() * trend.change if gains else 0.0,
+            estimate=trend.error + shape,
             geometry=shape,
             ratio=trend.ratio,
         )
         self.history.append(level)
+        self.last = _Solution(level, mesh, orders, model)
+        if self.best is None or level.estimate <= self.best.level.estimate:
+            self.best = self.last
         if self.progress is not None:
             self.progress(level)
+        return self.last
 
-    def _is_shape_bad(self) -> bool:
-        """Say whether it is the mesh's shape that keeps the solution from being right."""
-        last = self.history[-1]
-        return last.geometry > _SURELY * self.settings.tolerance and last.estimate < _ANSWER
-
-    def _another_pays(self, gains: Gains) -> bool:
-        """Say whether higher orders are likely to reach the tolerance at a bearable cost."""
-        last, before = self.history[-1], self.history[-2]
-        tolerance = self.settings.tolerance
-        if self._is_shape_bad() or last.stuck > _STUCK * tolerance:
-            return False
-        growth = float(np.clip(last.n_unknowns / before.n_unknowns, 1.2, 1.5))
-        tried = sum(level.mesh == last.mesh for level in self.history)
-        if last.n_unknowns * growth <= (AFFORDABLE if tried < _FEWEST else CHEAP):
-            return True
-        room = max(_SURELY * tolerance - last.geometry, 0.1 * tolerance)
-        excess = (last.estimate - last.geometry) / room
-        steps = max(1.0, float(np.log(excess) / -np.log(last.ratio)))
-        if gains.smooth() > 0.5:
-            steps = 1.0
-        return bool(last.n_unknowns * growth**steps <= LAST)
-
-    def _limit(self, mesh: PartMesh, orders: Orders) -> str:
-        """Say which limit a solve with orders (e,) would break, if any."""
-        if time.perf_counter() - self.start > self.settings.max_seconds:
-            return f"the time of {self.settings.max_seconds:g} s is used up"
-        if 3 * int(mesh.topology.space(orders).ndof) > self.settings.max_unknowns:
-            return f"the next solve would take more than {self.settings.max_unknowns} unknowns"
-        return ""
-
-    def _learn(self, number: int) -> None:
-        """Compare what the last mesh's estimate promised with what this mesh's solution says."""
-        previous = [level for level in self.history if level.mesh == number - 1]
-        if not previous:
-            return
-        promised, now = previous[-1], self.history[-1]
-        real = relative_difference(promised.compliance - now.compliance, now.compliance)
-        if np.isfinite(promised.estimate) and real > promised.estimate:
-            self.distrust *= min(3.0, real / promised.estimate)
-
-    def _shortfall(self, mesh: PartMesh) -> float:
-        """Return how many times fewer elements than asked for the mesher made last time."""
-        if self.asked is None:
-            return 1.0
-        before, growth = self.asked
-        return float(np.clip(growth * before / len(mesh.tets), 1.0, _MOST))
-
-    def _finer(self, mesh: PartMesh, gains: Gains) -> MeshSettings:
-        """Return settings for a mesh with smaller elements where the error is."""
-        sizes = _sizes(mesh)
-        last = self.history[-1]
-        excess = (last.estimate - last.geometry) / (_SURELY * self.settings.tolerance)
-        growth = float(np.clip(1.0 if self._is_shape_bad() else np.sqrt(excess), *GROWTH))
-        finer = wanted_sizes(sizes, gains.left(), growth * self._shortfall(mesh))
-        self.asked = (len(sizes), growth)
-        marked = finer < 0.95 * sizes
-        points, wanted = _centres(mesh)[marked], finer[marked]
-        old = mesh.settings
-        if old.wanted is not None:
-            points = np.concatenate([old.wanted[0], points])
-            wanted = np.concatenate([old.wanted[1], wanted])
-        bends = 1.4 if last.geometry > 0.5 * self.settings.tolerance else 1.0
-        return replace(
-            old,
-            feature=0.5 * old.feature,
-            curvature=bends * old.curvature,
-            wanted=(points, wanted),
+    def _reduce(self, mesh: PartMesh, orders: Orders) -> PortModel:
+        solve = replace(
+            self.settings.solve, order=int(orders.max()), orders=orders, known=self.fill
         )
+        return reduce_part(mesh, self.ports, self.laws, solve, self.held)
+
+    def _check_limits(self, mesh: PartMesh, orders: Orders) -> None:
+        """Raise `CadError` if a solve with orders (e,) is to break a limit."""
+        n_unknowns = 3 * mesh.topology.node_count(orders)
+        if n_unknowns > self.settings.max_unknowns:
+            raise CadError(
+                f"the next solve would take {n_unknowns} unknowns, of "
+                f"{self.settings.max_unknowns} allowed",
+                mend="allow more unknowns, or a larger error",
+            )
+        if self.last_work is None:
+            return
+        seconds, solved = self.last_work
+        expected = seconds * (n_unknowns / solved) ** _WORK
+        if expected > self._seconds_left():
+            raise CadError(
+                f"the next solve would take about {math.ceil(expected)} s, beyond the time of "
+                f"{self.settings.max_seconds:g} s",
+                mend="allow more time, or a larger error",
+            )
 
 
-def _energies(before: PortModel, model: PortModel) -> Array:
-    """Return the energies (e,), J, of the difference of two solutions on a mesh, all wrenches."""
-    W = whitening(model.solver.compliance_of_loads)
-    return model.solver.body.difference_energies(
-        model.solver.load_fields @ W, before.solver.body, before.solver.load_fields @ W
-    )
-
-
-def _sizes(mesh: PartMesh) -> Array:
-    """Return the sizes (e,), m, of the elements: the edges of regular ones of their volume."""
-    return np.asarray((6.0 * np.sqrt(2.0) * volumes(mesh.points, mesh.tets)) ** (1.0 / 3.0))
-
-
-def _centres(mesh: PartMesh) -> Array:
-    return np.asarray(mesh.points[mesh.tets[:, :4]].mean(axis=1))
+def _shape_error(mesh: PartMesh) -> float:
+    return geometry_error(mesh.check.volume_error, mesh.check.area_error)

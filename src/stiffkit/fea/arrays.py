@@ -20,7 +20,7 @@ class MeshArrays:
     tets: Indices = field(repr=False)
     """(e, 10), indices of points: corners, then middles of edges."""
     tet_solid: Indices = field(repr=False)
-    """(e,), index of the part's solid."""
+    """(e,), index of the part's solid, ascending."""
     triangles: Indices = field(repr=False)
     """(t, 6), indices of points."""
     triangle_face: Indices = field(repr=False)

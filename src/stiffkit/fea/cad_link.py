@@ -14,16 +14,17 @@ from stiffkit import __version__
 from stiffkit.fea import cache
 from stiffkit.fea.beams import BeamComparison, compare
 from stiffkit.fea.link_spec import LinkSpec, PortSpec, read_link_spec
-from stiffkit.fea.solve import Progress, describe_law, solve_spec
+from stiffkit.fea.solve import describe_law, solve_spec
 from stiffkit.fea.solved import Solved, from_plain, to_plain
 from stiffkit.fea.sources import PartSource
 from stiffkit.files import Row
 from stiffkit.link.file import LinkFile, write_link_file
 from stiffkit.link.ports import places_of
+from stiffkit.progress import Progress, no_progress
 from stiffkit.spatial.frame import Frame
 from stiffkit.spatial.rotation import Array
 
-_EDITION = 2
+_EDITION = 3
 """Raised when the same specification gives other results, so that older ones are not taken."""
 
 
@@ -88,7 +89,7 @@ def link_from_cad(
     done and the share that is done. Raises FileError, with its place and how to mend it, where
     the specification or the part is wrong, or no solution can be found.
     """
-    report = progress or (lambda _what, _share: None)
+    report = progress or no_progress
     if not isinstance(spec, LinkSpec):
         spec = read_link_spec(spec, part)
     elif part is not None:
@@ -150,6 +151,7 @@ def _key(spec: LinkSpec, cad_hash: str) -> str:
         "ports": [[name, _port(port)] for name, port in spec.ports],
         "up": spec.up,
         "tolerance": spec.tolerance,
+        "features": spec.features,
         "modes": spec.n_modes,
         "mesh": None if spec.mesh is None else vars(spec.mesh),
     }

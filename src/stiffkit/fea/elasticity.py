@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiffkit.errors import CadError
-from stiffkit.fea import memory
 from stiffkit.fea.material import Law
+from stiffkit.fea.memory import Fill, must_iterate
 from stiffkit.fea.mesh import PartMesh
 from stiffkit.fea.orders import Orders
 from stiffkit.fea.threads import idle_cores, threads
@@ -22,6 +22,9 @@ Mask = NDArray[np.bool_]
 
 RESIDUAL = 1e-6
 """The relative residual of a direct solve above which the factorisation counts as failed."""
+
+_SOLVED = 1e-10
+"""The relative residual that needs no correction: compliances are in error by its square."""
 
 _REFINEMENTS = 3
 
@@ -43,6 +46,8 @@ class SolveSettings:
     """direct, iterative, or auto: direct where it fits into memory."""
     memory: float | None = None
     """bytes that the solve may take; most of what is free if None."""
+    known: Fill | None = field(default=None, compare=False, repr=False)
+    """What a factor of such a mesh was seen to take, if one was."""
 
 
 class Elasticity:
@@ -80,7 +85,9 @@ class Elasticity:
         self._blocked = True
         self.n_nodes = int(self._make_space().ndof)
         self._n_threads = settings.threads or (1 if self.n_nodes < _SMALL else idle_cores())
-        self._iterative = memory.must_iterate(self.n_nodes, settings.solver, settings.memory)
+        self._iterative = must_iterate(
+            self.n_nodes, settings.solver, settings.memory, settings.known
+        )
         self._blocked = bool(self._held) and not self._iterative
         self._set_up()
 
@@ -103,15 +110,14 @@ class Elasticity:
         """Return a test, trial or grid function as a vector."""
         from ngsolve import CF
 
-        return field if self._blocked else CF(tuple(_components(field)))
+        return CF(tuple(parts)) if (parts := _parts(field)) else field
 
     def _gradient(self, field: Any) -> Any:
         """Return the gradient (3, 3) of a test, trial or grid function."""
         from ngsolve import CF, Grad, grad
 
-        if self._blocked:
-            return Grad(field)
-        return CF(tuple(grad(component) for component in _components(field)), dims=(3, 3))
+        parts = _parts(field)
+        return CF(tuple(map(grad, parts)), dims=(3, 3)) if parts else Grad(field)
 
     def _set_up(self) -> None:
         from ngsolve import BilinearForm, Preconditioner, dx
@@ -205,7 +211,7 @@ class Elasticity:
                     residual.data = projector * (load - self._form.mat * solution)
                     error = residual.Norm() / max(load.Norm(), 1e-300)
                     # The residual stops falling at rounding, which is higher for slender parts.
-                    if error < 1e-12 or error > 0.3 * best:
+                    if error < _SOLVED or error > 0.3 * best:
                         best = min(best, error)
                         break
                     best = error
@@ -213,6 +219,13 @@ class Elasticity:
                     return self._solve_otherwise(loads, best)
                 out[:, :, k] = self._array(solution)
         return out
+
+    @property
+    def fill(self) -> Fill | None:
+        """What the factor takes, None if there is none."""
+        if self._inverse is None or self._iterative:
+            return None
+        return Fill(self.n_nodes, self._inverse.nze * (1.0 if self._blocked else 1.0 / 9.0))
 
     def release(self) -> None:
         """Give the memory of matrix and factor back; nothing can be solved any more."""
@@ -223,23 +236,30 @@ class Elasticity:
         """Whether matrix and factor were given back."""
         return self._form is None
 
-    def difference_energies(self, fields: Array, other: Elasticity, others: Array) -> Array:
-        """Return twice the energies (e,), J, of the elements in the difference of solutions.
+    def contents(self, fields: Array) -> Array:
+        """Return twice the energies (2, e), J, of what orders hold in the elements, summed over k.
 
-        ``fields`` (n, 3, k) are this discretisation's, ``others`` (n', 3, k) those of one of
-        another order on the same mesh; summed over k.
+        First what the element's highest order p adds to the approximation of ``fields`` (n, 3, k)
+        by order p - 1, then what that adds to the one by p - 2.
         """
         from ngsolve import CF, GridFunction, Integrate
 
-        density = CF(0.0)
-        for k in range(fields.shape[2]):
-            mine, yours = GridFunction(self._space), GridFunction(other._space)
-            self._fill(mine.vec, fields[:, :, k])
-            other._fill(yours.vec, others[:, :, k])
-            D = self._gradient(mine) - other._gradient(yours)
-            density += virtual_work(self._space_mesh, self._laws, D, D)
+        orders = np.full(len(self.mesh.tets), self.settings.order)
+        if self.settings.orders is not None:
+            orders = self.settings.orders
+        lower = [self.mesh.topology.space(np.maximum(orders - k, 1), dim=3) for k in (1, 2)]
+        contents = [CF(0.0), CF(0.0)]
         with threads(self._n_threads):
-            return np.array(Integrate(density, self._space_mesh, element_wise=True))
+            for k in range(fields.shape[2]):
+                finer = GridFunction(self._space)
+                self._fill(finer.vec, fields[:, :, k])
+                for i, space in enumerate(lower):
+                    coarser = GridFunction(space)
+                    coarser.Set(self._vector_of(finer))
+                    D = self._gradient(finer) - self._gradient(coarser)
+                    contents[i] += virtual_work(self._space_mesh, self._laws, D, D)
+                    finer = coarser
+            return np.array([Integrate(c, self._space_mesh, element_wise=True) for c in contents])
 
     def _solve_otherwise(self, loads: Array, residual: float) -> Array:
         """Solve again with scalar blocks, after the factorisation in 3 x 3 blocks has failed.
@@ -323,6 +343,6 @@ class Elasticity:
         return out
 
 
-def _components(field: Any) -> Any:
-    """Return the components of a function of a space that is composed of three."""
-    return getattr(field, "components", field)
+def _parts(field: Any) -> Any:
+    """Return the three functions that one of a composed space consists of; none of another."""
+    return field if isinstance(field, list) else getattr(field, "components", ())

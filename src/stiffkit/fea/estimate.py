@@ -15,18 +15,11 @@ from stiffkit.spatial.rotation import Array
 _RATIOS = (0.35, 0.9)
 """Ratios of successive errors that are believed."""
 
-_USUAL_RATIO = 0.5
+_USUAL_RATIO = 0.6
 """The ratio as long as nothing is known."""
 
 _CAUTION = 1.25
 """At the singular edges that every clamped face has, convergence slows down as it goes on."""
-
-_SIZE_POWER = 0.35
-"""The size goes with this power of the error that an element may have: between 1/2, right at edges
-as singular as a crack, and the 1/(2 p + 3) of smooth solutions."""
-
-_FINEST = 4.0
-"""How many times smaller elements may become at once."""
 
 _BENDING = 3.0
 """The stiffness of a plate goes with this power of its thickness."""
@@ -94,26 +87,3 @@ def geometry_error(volume_error: float, area_error: float) -> float:
     too thin by a share, a bent wall is too soft by three times that.
     """
     return _BENDING * abs(volume_error) + 0.25 * abs(area_error)
-
-
-def wanted_sizes(sizes: Array, energies: Array, growth: float) -> Array:
-    """Return the element sizes (e,) that spread the error evenly over the elements.
-
-    From the elements' sizes (e,) and the energies (e,) of their errors. The more an element has
-    than its share, the smaller its successors, down to a quarter; none becomes larger. The share is
-    chosen so that about ``growth`` times as many elements result. O. C. Zienkiewicz, J. Z. Zhu, "A
-    simple error estimator and adaptive procedure", Int. J. Numer. Meth. Eng. 24, 1987.
-    """
-    energies = np.maximum(energies, energies.max() * 1e-12)
-
-    def finer(share: float) -> Array:
-        return np.asarray(np.clip((energies / share) ** _SIZE_POWER, 1.0, _FINEST))
-
-    low, high = np.log(energies.min()), np.log(energies.max())
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        if np.mean(finer(np.exp(middle)) ** 3) > growth:
-            low = middle
-        else:
-            high = middle
-    return np.asarray(sizes / finer(np.exp(high)))

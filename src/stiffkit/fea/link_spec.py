@@ -81,6 +81,8 @@ class LinkSpec:
     up: tuple[float, float, float] | None
     """What the link's z is nearest to."""
     tolerance: float
+    features: float | None
+    """m: smaller features do not refine the mesh; chosen from the part's size if None."""
     n_modes: int
     mesh: FixedMesh | None
     content_hash: str
@@ -150,6 +152,7 @@ def _spec(
 ) -> LinkSpec:
     scale, up, solids = entry.get("scale"), entry.get("up"), entry.get("solids")
     tolerance, beams = entry.get("tolerance"), entry.get("beams")
+    features = entry.get("features")
     material = read_law(entry["material"], materials)
     if beams is not None and "tip" not in entry:
         raise beams.error("beams lead from the base to a tip, and the link has none", "remove them")
@@ -168,6 +171,7 @@ def _spec(
         tolerance=TOLERANCE
         if tolerance is None
         else read_share(tolerance, most=0.5, example=0.001),
+        features=None if features is None else features.positive(LENGTH),
         n_modes=_whole(entry.get("modes"), MODES, 0, _MOST_MODES),
         mesh=_mesh(entry.get("mesh")),
         content_hash=content_hash,

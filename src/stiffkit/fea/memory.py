@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 from stiffkit.errors import CadError
@@ -14,6 +15,9 @@ _FILL = 4.4
 
 _EXPONENT = 1.4
 
+_MARGIN = 1.15
+"""What a refined mesh may take beyond that law."""
+
 _OVERHEAD = 1.5
 """Matrix, element data and work space beside the factor."""
 
@@ -21,22 +25,38 @@ SHARE = 0.8
 """Of the free memory that a solve may take."""
 
 
-def direct_bytes(n_nodes: int) -> float:
-    """Return a prediction of the bytes that a direct solve with ``n_nodes`` nodes takes."""
-    return float(_OVERHEAD * _BLOCK * _FILL * n_nodes**_EXPONENT)
+@dataclass(frozen=True)
+class Fill:
+    """What a factor was seen to take."""
+
+    n_nodes: int
+    blocks: float
+    """Of 3 x 3 doubles."""
 
 
-def must_iterate(n_nodes: int, solver: str, allowed: float | None) -> bool:
+def direct_bytes(n_nodes: int, known: Fill | None = None) -> float:
+    """Return a prediction of the bytes that a direct solve with ``n_nodes`` nodes takes.
+
+    Where a smaller factor of such a mesh is ``known``, it is told from that.
+    """
+    fill = _FILL if known is None else _MARGIN * known.blocks / known.n_nodes**_EXPONENT
+    return float(_OVERHEAD * _BLOCK * fill * n_nodes**_EXPONENT)
+
+
+def must_iterate(
+    n_nodes: int, solver: str, allowed: float | None, known: Fill | None = None
+) -> bool:
     """Say whether to solve iteratively.
 
-    ``solver``: direct, iterative, or auto; ``allowed`` in bytes, most of what is free if None.
+    ``solver``: direct, iterative, or auto; ``allowed`` in bytes, most of what is free if None;
+    ``known``: see `direct_bytes`.
     Raises `CadError` if the direct solver is asked for and will not fit.
     """
     if solver == "iterative":
         return True
     if allowed is None:
         allowed = SHARE * free_bytes()
-    needed = direct_bytes(n_nodes)
+    needed = direct_bytes(n_nodes, known)
     if needed > allowed and solver == "direct":
         raise CadError(
             f"solving {3 * n_nodes} unknowns directly takes about {needed / 1e9:.1f} GB, "

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stiffkit.errors import CadError
 from stiffkit.fea.arrays import MeshArrays, load_arrays
+from stiffkit.fea.bisection import Mask, bisect
 from stiffkit.fea.child import TIMEOUT, run_child, work_folder
 from stiffkit.fea.geometry import MM, Part
 from stiffkit.fea.meshcheck import MeshCheck, check_mesh
 from stiffkit.fea.orders import Topology
-from stiffkit.spatial.rotation import Array
 
 COARSE = 6.0
 """Elements along the diagonal of the bounding box, in the coarsest mesh."""
@@ -41,8 +42,6 @@ class MeshSettings:
     """Elements along an edge, at least; less than one lets short edges be."""
     close_edges: float | None = None
     """Elements between edges that run close to each other; not heeded if None."""
-    wanted: tuple[Array, Array] | None = field(default=None, repr=False)
-    """Points (n, 3), m, and element sizes (n,), m, that are wanted there."""
 
     def netgen(self) -> dict[str, Any]:
         """Return the settings in Netgen's words and millimetres."""
@@ -57,10 +56,9 @@ class MeshSettings:
 
     def describe(self) -> str:
         """Return the settings in a line."""
-        wanted = "" if self.wanted is None else ", refined where the error is"
         return (
             f"size {self.size / MM:.3g} mm, features from {self.feature / MM:.3g} mm, "
-            f"grading {self.grading:g}{wanted}"
+            f"grading {self.grading:g}"
         )
 
 
@@ -73,6 +71,13 @@ class PartMesh(MeshArrays):
     seconds: float
     failures: tuple[str, ...] = ()
     """What went wrong with the settings that were tried before."""
+    cuts: int = 0
+    """How often elements have been cut since."""
+
+    def describe(self) -> str:
+        """Return how the mesh was made, in a line."""
+        cuts = f", elements cut {self.cuts} times where the error is" if self.cuts else ""
+        return self.settings.describe() + cuts
 
     @cached_property
     def curved(self) -> Any:
@@ -161,6 +166,26 @@ def mesh_part(
     )
 
 
+def bisect_mesh(part: Part, mesh: PartMesh, chosen: Mask) -> tuple[PartMesh, NDArray[np.intp]]:
+    """Return a mesh in which the ``chosen`` elements (e,) are cut, and the parents of its elements.
+
+    Raises `CadError` if it is not whole.
+    """
+    start = time.perf_counter()
+    arrays, parents = bisect(mesh, chosen)
+    check = check_mesh(part, arrays, mesh.check.straightened)
+    seconds = mesh.seconds + time.perf_counter() - start
+    bisected = PartMesh(
+        **vars(arrays),
+        settings=mesh.settings,
+        check=check,
+        seconds=seconds,
+        failures=mesh.failures,
+        cuts=mesh.cuts + 1,
+    )
+    return bisected, parents
+
+
 def _attempts(first: MeshSettings) -> Iterator[MeshSettings]:
     """Yield the settings asked for and, after them, ones that succeed more often and cost more."""
     yield first
@@ -175,7 +200,6 @@ def _attempts(first: MeshSettings) -> Iterator[MeshSettings]:
         per_edge=1.0,
         curvature=2.0,
         close_edges=2.0,
-        wanted=None,
     )
 
 
@@ -183,9 +207,6 @@ def _mesh_once(part: Part, settings: MeshSettings, timeout: float) -> tuple[Mesh
     """Return the arrays of a mesh, unchecked, and how many of its nodes were straightened."""
     with work_folder() as folder:
         (folder / "shape.brep").write_bytes(part.brep)
-        if settings.wanted is not None:
-            points, sizes = settings.wanted
-            np.savez(folder / "sizes.npz", points=points, sizes=sizes)
         job = {"settings": settings.netgen()}
         doing = f"meshing {part.name}"
         answer = run_child("mesh", folder, job, doing=doing, timeout=timeout)

@@ -6,14 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse.linalg import LinearOperator, eigsh
 
 from stiffkit.errors import CadError
 from stiffkit.fea.elasticity import Elasticity, SolveSettings
 from stiffkit.fea.interfaces import Port
+from stiffkit.fea.lanczos import lowest_modes
 from stiffkit.fea.material import Law
 from stiffkit.fea.mesh import PartMesh
-from stiffkit.fea.rigid import rehold
+from stiffkit.fea.rigid import check_apart, rehold
 from stiffkit.spatial.rotation import Array
 from stiffkit.spatial.twist import twist_shift
 
@@ -54,7 +54,7 @@ class Reduction:
         self.body = Elasticity(
             mesh, laws, settings, held_faces=faces, pin_faces=self.ports[self._ref].faces
         )
-        self._check_rigid_ports_apart(rigid)
+        check_apart({ports[i].name: self.body.on_faces(ports[i].faces) for i in rigid})
         self._solve()
 
     def _solve(self) -> None:
@@ -107,18 +107,6 @@ class Reduction:
                 mend="add faces to it",
             )
         return np.asarray(L @ np.linalg.inv(G))
-
-    def _check_rigid_ports_apart(self, rigid: Sequence[int]) -> None:
-        for a, i in enumerate(rigid):
-            for j in rigid[:a]:
-                mine = self.body.on_faces(self.ports[i].faces)
-                both = mine & self.body.on_faces(self.ports[j].faces)
-                if both.any():
-                    raise CadError(
-                        f"interfaces {self.ports[j].name} and {self.ports[i].name} are rigid and "
-                        "touch each other: they overlap along an edge",
-                        mend="make one of them average, or choose faces that lie apart",
-                    )
 
     @property
     def load_fields(self) -> Array:
@@ -212,18 +200,8 @@ class Reduction:
         def response(x: Array) -> Array:
             return np.asarray(self._held_response(x.reshape(n, 3)).ravel())
 
-        start = response(mass(np.random.default_rng(0).standard_normal(3 * n)))
-        size = (3 * n, 3 * n)
-        values, vectors = eigsh(
-            LinearOperator(size, matvec=lambda x: x, dtype=float),
-            k=n_modes,
-            M=LinearOperator(size, matvec=mass, dtype=float),
-            sigma=0.0,
-            OPinv=LinearOperator(size, matvec=response, dtype=float),
-            v0=start,
-        )
-        order = np.argsort(values)
-        return values[order], vectors[:, order].reshape(n, 3, n_modes)
+        values, shapes = lowest_modes(mass, response, 3 * n, n_modes)
+        return values, shapes.reshape(n, 3, n_modes)
 
 
 def _dot(a: Array, b: Array) -> Array:

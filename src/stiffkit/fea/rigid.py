@@ -1,14 +1,28 @@
-"""Rigid-body motions between ports."""
+"""Rigid ports, and rigid-body motions between ports."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import itertools
+from collections.abc import Mapping, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
+from stiffkit.errors import CadError
 from stiffkit.fea.interfaces import Port
 from stiffkit.spatial.rotation import Array
 from stiffkit.spatial.twist import twist_shift
+
+
+def check_apart(on_port: Mapping[str, NDArray[np.bool_]]) -> None:
+    """Raise `CadError` if rigid ports touch, by which nodes (n,) are on each of them."""
+    for a, b in itertools.combinations(on_port, 2):
+        if (on_port[a] & on_port[b]).any():
+            raise CadError(
+                f"interfaces {a} and {b} are rigid and touch each other: they overlap along an "
+                "edge",
+                mend="make one of them average, or choose faces that lie apart",
+            )
 
 
 def relative_twists(ports: Sequence[Port], ref: int) -> Array:

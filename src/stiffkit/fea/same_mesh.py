@@ -40,6 +40,12 @@ class MeshedPart:
             return model.to_link(self.spec.n_modes, T_part_link.rotation)
 
 
+def meshed_part(spec: LinkSpec, mesh: PartMesh) -> MeshedPart:
+    """Return the part of a specification with a mesh of it. Raises FileError."""
+    part = read_part(spec)
+    return MeshedPart(spec, part, ports_of(part, spec), laws_of(part, spec), mesh)
+
+
 def mesh_spec(spec: LinkSpec, settings: MeshSettings) -> MeshedPart:
     """Return the part of a specification, meshed. Raises FileError where it cannot be."""
     part = read_part(spec)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,10 +22,8 @@ from stiffkit.fea.reading import describe_readings
 from stiffkit.fea.solved import Solved, Step
 from stiffkit.fea.superelement import PortModel, reduce_part
 from stiffkit.fea.surface_fields import surface_of
+from stiffkit.progress import Progress
 from stiffkit.spatial.frame import Frame
-
-Progress = Callable[[str, float], None]
-"""Is told what is being done, and the share that is done."""
 
 BASE = 0
 
@@ -35,6 +33,7 @@ class _Solution:
     model: PortModel
     mesh: PartMesh
     order: int
+    estimate: float | None
     steps: tuple[Step, ...]
     converged: bool
     stopped: str
@@ -70,11 +69,13 @@ def _refined(
         far = math.log(max(1.0, level.estimate / spec.tolerance))
         progress(words, 0.85 / (1.0 + min(far, 8.0)))
 
-    adapted = adapt(part, ports, laws, AdaptSettings(spec.tolerance), progress=report)
+    settings = AdaptSettings(spec.tolerance, features=spec.features)
+    adapted = adapt(part, ports, laws, settings, progress=report)
     return _Solution(
         adapted.model,
         adapted.mesh,
-        adapted.history[-1].orders[1],
+        adapted.level.orders[1],
+        _told(adapted.estimate),
         _steps(adapted),
         adapted.converged,
         adapted.stopped,
@@ -82,7 +83,7 @@ def _refined(
 
 
 def _steps(adapted: Adapted) -> tuple[Step, ...]:
-    last = adapted.history[-1].compliance
+    best = adapted.level.compliance
     return tuple(
         Step(
             mesh=level.mesh + 1,
@@ -91,8 +92,8 @@ def _steps(adapted: Adapted) -> tuple[Step, ...]:
             elements=level.n_tets,
             unknowns=level.n_unknowns,
             seconds=level.seconds,
-            estimate=level.estimate if math.isfinite(level.estimate) else None,
-            change=float(relative_difference(level.compliance - last, last)),
+            estimate=_told(level.estimate),
+            change=float(relative_difference(level.compliance - best, best)),
         )
         for level in adapted.history
     )
@@ -104,7 +105,11 @@ def _on_one_mesh(
     mesh = mesh_part(part, MeshSettings(size))
     model = reduce_part(mesh, ports, laws, SolveSettings(order), BASE)
     step = Step(1, order, order, mesh.check.n_tets, model.n_unknowns, mesh.seconds, None, 0.0)
-    return _Solution(model, mesh, order, (step,), False, "one mesh was asked for")
+    return _Solution(model, mesh, order, None, (step,), False, "one mesh was asked for")
+
+
+def _told(estimate: float) -> float | None:
+    return estimate if math.isfinite(estimate) else None
 
 
 def _solved(
@@ -128,8 +133,9 @@ def _solved(
         center_of_mass=R.T @ (center - T_part_link.position),
         inertia=R.T @ inertia @ R,
         surface=surface_of(model, found.mesh, found.order, T_part_link),
-        mesh=found.mesh.settings,
+        mesh=found.mesh,
         settings=model.solver.body.settings,
+        estimate=found.estimate,
         steps=found.steps,
         facts=_facts(part, ports, laws, spec, found)
         | {"readings": describe_readings(model, T_part_link)},
@@ -165,7 +171,7 @@ def _facts(
             }
             for (name, given), port in zip(spec.ports, ports, strict=True)
         },
-        "mesh": found.mesh.settings.describe(),
+        "mesh": found.mesh.describe(),
         "elements": found.mesh.check.n_tets,
         "volume_error": found.mesh.check.volume_error,
         "area_error": found.mesh.check.area_error,

@@ -8,8 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from stiffkit.fea.arrays import MeshArrays
 from stiffkit.fea.elasticity import SolveSettings
-from stiffkit.fea.mesh import MeshSettings
+from stiffkit.fea.mesh import MeshSettings, PartMesh
+from stiffkit.fea.meshcheck import MeshCheck
 from stiffkit.fea.surface_fields import Surface
 from stiffkit.link import Superelement
 from stiffkit.spatial.frame import Frame
@@ -32,7 +34,7 @@ class Step:
     estimate: float | None
     """Estimated relative error of the compliance over all loads; None where there is none."""
     change: float
-    """Relative difference of the compliance from the last solution's, over all loads."""
+    """Relative difference of the compliance from the result's, over all loads."""
 
     @property
     def orders(self) -> str:
@@ -56,18 +58,16 @@ class Solved:
     inertia: Array
     """(3, 3), kg m^2, about the centre of mass."""
     surface: Surface
-    mesh: MeshSettings
-    """What the mesher was asked for in the last solution."""
+    mesh: PartMesh
+    """Of the last solution; part axes."""
     settings: SolveSettings
     """With which orders it was solved."""
+    estimate: float | None
+    """Estimated relative error of the compliance over all loads; None where there is none."""
     steps: tuple[Step, ...]
+    """The way to the solution, and beyond it where that led to nothing better."""
     facts: Mapping[str, Any]
     """Plain values: the part, its interfaces, the mesh, whether the tolerance was reached."""
-
-    @property
-    def estimate(self) -> float | None:
-        """Estimated relative error of the compliance over all loads."""
-        return self.steps[-1].estimate
 
 
 def to_plain(solved: Solved) -> tuple[dict[str, Any], dict[str, Array]]:
@@ -78,8 +78,15 @@ def to_plain(solved: Solved) -> tuple[dict[str, Any], dict[str, Array]]:
         "rule": element.rule,
         "ports": list(solved.ports),
         "mass": solved.mass,
-        "mesh": {key: value for key, value in vars(solved.mesh).items() if key != "wanted"},
+        "mesh": {
+            "settings": vars(solved.mesh.settings),
+            "check": vars(solved.mesh.check),
+            "seconds": solved.mesh.seconds,
+            "failures": list(solved.mesh.failures),
+            "cuts": solved.mesh.cuts,
+        },
         "order": solved.settings.order,
+        "estimate": solved.estimate,
         "steps": [vars(step) for step in solved.steps],
     }
     arrays: dict[str, Array] = {
@@ -96,8 +103,8 @@ def to_plain(solved: Solved) -> tuple[dict[str, Any], dict[str, Array]]:
         "triangles": surface.triangles.astype(np.float64),
         "displacements": surface.displacements,
     }
-    if solved.mesh.wanted is not None:
-        arrays["mesh_points"], arrays["mesh_sizes"] = solved.mesh.wanted
+    for name in MeshArrays.__dataclass_fields__:
+        arrays[f"mesh_{name}"] = getattr(solved.mesh, name)
     if solved.settings.orders is not None:
         arrays["orders"] = solved.settings.orders.astype(np.float64)
     return facts, arrays
@@ -105,9 +112,6 @@ def to_plain(solved: Solved) -> tuple[dict[str, Any], dict[str, Array]]:
 
 def from_plain(facts: Mapping[str, Any], arrays: Mapping[str, Array]) -> Solved:
     """Return the solution of plain values and arrays. Raises KeyError if they lack something."""
-    wanted = None
-    if "mesh_points" in arrays:
-        wanted = arrays["mesh_points"], arrays["mesh_sizes"]
     return Solved(
         T_part_link=Frame(arrays["link_axes"], arrays["link_origin"]),
         ports={
@@ -127,10 +131,25 @@ def from_plain(facts: Mapping[str, Any], arrays: Mapping[str, Array]) -> Solved:
             arrays["triangles"].astype(np.int64),
             arrays["displacements"],
         ),
-        mesh=MeshSettings(**facts["mesh"], wanted=wanted),
+        mesh=_mesh_from_plain(facts["mesh"], arrays),
         settings=SolveSettings(
             facts["order"], arrays["orders"].astype(np.intp) if "orders" in arrays else None
         ),
+        estimate=facts["estimate"],
         steps=tuple(Step(**step) for step in facts["steps"]),
         facts=facts["facts"],
+    )
+
+
+def _mesh_from_plain(facts: Mapping[str, Any], arrays: Mapping[str, Array]) -> PartMesh:
+    values: dict[str, Any] = {
+        name: arrays[f"mesh_{name}"] for name in MeshArrays.__dataclass_fields__
+    }
+    return PartMesh(
+        **values,
+        settings=MeshSettings(**facts["settings"]),
+        check=MeshCheck(**facts["check"]),
+        seconds=facts["seconds"],
+        failures=tuple(facts["failures"]),
+        cuts=facts["cuts"],
     )

@@ -192,13 +192,13 @@ def _registered(entry: Entry) -> RegisteredPart:
         part = find_part(named.text())
     except CadError as error:
         raise named.error(error.what, error.mend) from None
-    units = {dimension.name: dimension.unit for dimension in part.dimensions}
     values: dict[str, float] = {}
     for name, value in [] if given is None else given.items():
-        if name not in units:
-            known = ", ".join(units)
-            raise value.error(f"{part.name} has no dimension '{name}'", f"it has {known}")
-        values[name] = value.positive(units[name])
+        try:
+            unit = part.dimension(name).unit
+        except CadError as error:
+            raise value.error(error.what, error.mend) from None
+        values[name] = value.positive(unit)
     try:
         return RegisteredPart(part.name, values)
     except CadError as error:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -64,7 +64,7 @@ class Entry:
     def get(self, key: Key) -> Entry | None:
         """Return what stands under a key or an index; None where there is nothing."""
         node = self.node.child(key)
-        return None if node is None else replace(self, keys=(*self.keys, key), node=node)
+        return None if node is None else Entry(self.path, (*self.keys, key), node, self.scope)
 
     def __getitem__(self, key: Key) -> Entry:
         """Return what stands under a key or an index. Raises FileError if there is nothing."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
 from graphlib import CycleError, TopologicalSorter
 
 from stiffkit.errors import ExpressionError, UnitError
@@ -29,9 +30,15 @@ def evaluate(given: Given, names: Mapping[str, Value]) -> Value:
     """
     if not (isinstance(given, str) and is_expression(given)):
         return parse_quantity(given)
-    value = Expression(given).evaluate(names)
+    value = _taken_apart(given).evaluate(names)
     unit = "" if value.dims is None else si_unit(value.dims)
     return Value(value.si, value.dims, text=given.strip(), unit=unit)
+
+
+@lru_cache(maxsize=4096)
+def _taken_apart(text: str) -> Expression:
+    """Return an expression; the same text is met again in each variant of a robot."""
+    return Expression(text)
 
 
 def resolve(given: Mapping[str, Given]) -> dict[str, Value]:
@@ -69,7 +76,7 @@ def _references(name: str, given: Mapping[str, Given]) -> frozenset[str]:
     if not (isinstance(text, str) and is_expression(text)):
         return frozenset()
     try:
-        expression = Expression(text)
+        expression = _taken_apart(text)
         for used in sorted(expression.names - given.keys()):
             raise expression.unknown_name(used, given)
     except ExpressionError as error:

@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stiffkit.identify.compliance import identify
-from stiffkit.identify.gather import Chosen, Progress
+from stiffkit.identify.gather import Chosen
 from stiffkit.identify.identified import Identified, Options
 from stiffkit.identify.spec import ESTIMATORS
+from stiffkit.progress import Progress
 from stiffkit.spatial.rotation import Array
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -22,11 +22,9 @@ from stiffkit.identify.readers import (
 from stiffkit.identify.selection import Selection, field_of, select
 from stiffkit.identify.spec import FieldSource, LoadSource, NodeChoice, Spec, blamed_on
 from stiffkit.identify.weights import area_weights, volume_weights
+from stiffkit.progress import Progress
 from stiffkit.spatial import Frame
 from stiffkit.spatial.rotation import Array
-
-Progress = Callable[[str, float], None]
-"""Takes what is being done and the share that is done."""
 
 EQUAL = "equal weights"
 

@@ -15,13 +15,14 @@ from stiffkit.errors import FileError
 from stiffkit.files import Row
 from stiffkit.identify.comparison import Alternative, alternatives
 from stiffkit.identify.compliance import identify
-from stiffkit.identify.gather import Chosen, Progress, choose, content_hash, loads_of, read_files
+from stiffkit.identify.gather import Chosen, choose, content_hash, loads_of, read_files
 from stiffkit.identify.identified import Identified, Mask
 from stiffkit.identify.sizes import size_doubts
 from stiffkit.identify.spec import ESTIMATORS, Spec, blamed_on, read_spec
 from stiffkit.link.checks import check_compliance
 from stiffkit.link.file import LinkFile, write_link_file
 from stiffkit.link.ports import TIP
+from stiffkit.progress import Progress, no_progress
 from stiffkit.spatial import Frame
 from stiffkit.spatial.rotation import Array
 
@@ -111,7 +112,7 @@ def identify_link(spec: Spec | Path | str, progress: Progress | None = None) -> 
     ``progress`` is told what is being done and the share that is done. Raises FileError, with its
     place and how to mend it, where the specification or a file that it names is wrong.
     """
-    report = progress or (lambda _what, _share: None)
+    report = progress or no_progress
     spec = spec if isinstance(spec, Spec) else read_spec(spec)
     file = read_files(spec, report)
     names, wrenches_file = loads_of(spec, file)

@@ -3,7 +3,7 @@
 from stiffkit.kinematics.closure import ClosureEquations
 from stiffkit.kinematics.locate import Located
 from stiffkit.kinematics.mobility import Mobility
-from stiffkit.kinematics.postures import Kinematics, Postures, Status
+from stiffkit.kinematics.postures import Kinematics, Postures, Status, typical_length
 from stiffkit.kinematics.tree import SpanningTree
 
 __all__ = [
@@ -14,4 +14,5 @@ __all__ = [
     "Postures",
     "SpanningTree",
     "Status",
+    "typical_length",
 ]

@@ -71,8 +71,19 @@ class Equations:
 class ClosureEquations:
     """The closure of a mechanism, with the tool coordinates that are asked for."""
 
-    def __init__(self, tree: SpanningTree, asked: Sequence[str], length: float) -> None:
-        """Take the tool coordinates asked for and a length (m) that makes equations unit-free."""
+    def __init__(
+        self,
+        tree: SpanningTree,
+        asked: Sequence[str],
+        length: float,
+        *,
+        any_geometry: bool = False,
+    ) -> None:
+        """Take the tool coordinates asked for and a length (m) that makes equations unit-free.
+
+        With ``any_geometry`` only those equations are left out that hold identically whatever the
+        constants are that are not compiled in, so that kernels serve other geometries too.
+        """
         self.tree = tree
         self.asked = tuple(asked)
         self.length = length
@@ -84,7 +95,7 @@ class ClosureEquations:
         add_geometry(self.constants, tree.robot)
         self.constants.add("length", np.array([length]))
 
-        self._kept = self._structure()
+        self._kept = self._structure(any_geometry)
 
     @property
     def translates(self) -> list[bool]:
@@ -92,15 +103,22 @@ class ClosureEquations:
         motions = self.tree.motions + list(self.auxiliary)
         return [not motion.startswith("r") for motion in motions]
 
-    def _structure(self) -> list[bool]:
+    def _structure(self, any_geometry: bool) -> list[bool]:
         # Arrays are never structural zeros, so what vanishes here vanishes in every posture.
         opaque = vector(np.ones(1) for _ in range(self.n_unknowns + len(self.asked)))
         rows = Rows(self.n_unknowns, None)
         with np.errstate(all="ignore"):
-            self._fill(rows, opaque, as_objects(self.constants.values))
+            self._fill(rows, opaque, self._known_constants(any_geometry))
         self.elimination_order = _elimination_order(rows.jacobian)
         """Order of the unknowns in which the normal matrix stays sparse."""
         return [not trivial for trivial in rows.holds_identically]
+
+    def _known_constants(self, any_geometry: bool) -> Vector:
+        values = as_objects(self.constants.values)
+        if any_geometry:
+            for i in np.flatnonzero(~self.constants.compiled_in):
+                values[i] = np.array([values[i]])
+        return values
 
     @property
     def topology(self) -> Hashable:

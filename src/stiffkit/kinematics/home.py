@@ -65,7 +65,7 @@ def assemble(closure: ClosureEquations) -> HomePosture:
         away = min(attempt / _HOPELESS, 1.0)
         start = guess if attempt == 0 else _random_start(closure, guess, given, away, rng)
         unknowns, residual = _solve(closure, start, given, asked)
-        if residual > CLOSED or _gaps(closure, unknowns, asked):
+        if residual > CLOSED or gaps(closure, unknowns, asked):
             if residual < nearest_miss[0]:
                 nearest_miss = (residual, unknowns)
             if best is None and attempt + 1 >= _HOPELESS:
@@ -77,9 +77,9 @@ def assemble(closure: ClosureEquations) -> HomePosture:
         if best.off_by < NEAR_HINTS:
             break
     if best is None:
-        gaps = _gaps(closure, nearest_miss[1], asked) or "its loops close only nearly"
+        open_loops = gaps(closure, nearest_miss[1], asked) or "its loops close only nearly"
         raise AssemblyError(
-            f"the mechanism cannot be put together at its home posture: {gaps}",
+            f"the mechanism cannot be put together at its home posture: {open_loops}",
             mend="check lengths and joint frames, or give rough joint coordinates under 'home'",
         )
     return best
@@ -126,7 +126,7 @@ def _solve(
     for spring in _SPRINGS if far else _SPRINGS[-1:]:
         springs = np.where(given, 1.0, 0.1) * spring
         unknowns = _least_squares(closure, unknowns, start, springs, scales, asked)
-    turning = _wraps(closure)
+    turning = wraps(closure)
     unknowns[turning] = (unknowns[turning] + np.pi) % (2 * np.pi) - np.pi
     return unknowns, float(np.linalg.norm(evaluate(closure, unknowns, asked).residuals))
 
@@ -162,7 +162,7 @@ def _least_squares(
     return np.asarray(result.x) * scales
 
 
-def _wraps(closure: ClosureEquations) -> NDArray[np.bool_]:
+def wraps(closure: ClosureEquations) -> NDArray[np.bool_]:
     """Tell which unknowns are angles about one axis (not components of a rotation vector)."""
     wraps = np.zeros(closure.n_unknowns, dtype=bool)
     for tree_joint in closure.tree.joints:
@@ -222,7 +222,7 @@ def _with_distance(closure: ClosureEquations, unknowns: Array) -> HomePosture:
     return HomePosture(unknowns, off_by, off_at)
 
 
-def _gaps(closure: ClosureEquations, unknowns: Array, asked: Array) -> str:
+def gaps(closure: ClosureEquations, unknowns: Array, asked: Array) -> str:
     """Return in words where loops stay open and what the tool misses, "" if all fits.
 
     The equations alone do not tell: they leave out what no coordinate can change, and hold as well

@@ -10,13 +10,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from stiffkit.compiled import Backend, BatchFunction
+from stiffkit.compiled import Backend, BatchFunction, over_blocks
 from stiffkit.errors import PoseError
 from stiffkit.kinematics.closure import ClosureEquations
 from stiffkit.kinematics.coordinates import joint_coordinates, rotation_vectors
 from stiffkit.kinematics.home import assemble
 from stiffkit.kinematics.mobility import Mobility, controllable
-from stiffkit.kinematics.tracking import Tracker
+from stiffkit.kinematics.tracking import BLOCK, STEPS, Tracker
 from stiffkit.kinematics.tree import SpanningTree
 from stiffkit.robot import DIRECTIONS, Robot
 
@@ -79,7 +79,7 @@ class Kinematics:
         self.robot = robot
         self.backend = backend
         self.tree = SpanningTree.of(robot)
-        self.length = _size(robot)
+        self.length = typical_length(robot)
         given = [d for d in DIRECTIONS if d in robot.home.tool]
         at_home = ClosureEquations(self.tree, given, self.length)
         self.home_found = assemble(at_home)
@@ -112,11 +112,13 @@ class Kinematics:
         return BatchFunction(self.loops.observation(), self.backend)
 
     @cached_property
-    def _tracker(self) -> Tracker:
-        closure = self.closure
+    def _newton_step(self) -> BatchFunction:
+        return BatchFunction(self.closure.newton_step(), self.backend)
+
+    def _tracker(self, n: int) -> Tracker:
+        """Return what follows the assembly mode to ``n`` poses."""
         turns = np.array([d.startswith("r") for d in self.asked], dtype=bool)
-        step = BatchFunction(closure.newton_step(), self.backend)
-        return Tracker(step, closure.n_unknowns, turns)
+        return Tracker(self._newton_step.ready_for(STEPS * n), self.closure.n_unknowns, turns)
 
     @cached_property
     def joint_names(self) -> list[str]:
@@ -130,22 +132,36 @@ class Kinematics:
 
     def observe(self, coordinates: Array) -> Postures:
         """Return the postures at coordinates (n, N) of the tree, which must close the loops."""
-        values = self._observe(coordinates)
-        frames = values.reshape(values.shape[0] // 12, 12, coordinates.shape[1])
-        R = frames[:, :9].reshape(len(frames), 3, 3, coordinates.shape[1])
+        n = coordinates.shape[1]
+        reached = np.empty(n, dtype=bool)
+        tool, joints = np.empty((6, n)), np.empty((len(self.joint_names), n))
+        evaluate = self._observe.ready_for(n)
+
+        def work(block: slice) -> None:
+            q = coordinates[:, block]
+            reached[block] = known = np.isfinite(q).all(axis=0)
+            self._read(evaluate(q), q, tool[:, block], joints[:, block])
+            if not known.all():
+                # What is the same in all postures would have a value even where there is none.
+                tool[:, block][:, ~known] = np.nan
+                joints[:, block][:, ~known] = np.nan
+
+        over_blocks(n, BLOCK, work)
+        return Postures(coordinates, tool, joints, reached)
+
+    def _read(self, values: Array, q: Array, tool: Array, joints: Array) -> None:
+        """Fill in tool pose and joint coordinates from what the kernel of observation gives."""
+        frames = values.reshape(values.shape[0] // 12, 12, q.shape[1])
+        R = frames[:, :9].reshape(len(frames), 3, 3, q.shape[1])
         p = frames[:, 9:]
-        tool = np.concatenate([p[0], rotation_vectors(R[0])])
-        parts = {t.joint.name: coordinates[t.coordinates] for t in self.tree.joints}
+        tool[:3], tool[3:] = p[0], rotation_vectors(R[0])
+        parts = {t.joint.name: q[t.coordinates] for t in self.tree.joints}
         for i, chord in enumerate(self.tree.chords, start=1):
             parts[chord.name] = joint_coordinates(chord, R[i], p[i])
-        parts_in_order = [parts[name] for name in self.robot.joints]
-        n = coordinates.shape[1]
-        joints = np.concatenate(parts_in_order) if parts_in_order else np.empty((0, n))
-        reached = np.asarray(np.isfinite(coordinates).all(axis=0))
-        # What is the same in all postures would have a value even where there is no posture.
-        tool[:, ~reached] = np.nan
-        joints[:, ~reached] = np.nan
-        return Postures(coordinates, tool, joints, reached)
+        start = 0
+        for part in (parts[name] for name in self.robot.joints):
+            joints[start : start + len(part)] = part
+            start += len(part)
 
     def solve(self, asked: Array, wanted: NDArray[np.bool_] | None = None) -> Postures:
         """Return the postures at tool coordinates (m, N) in the order of `asked`, SI.
@@ -160,9 +176,14 @@ class Kinematics:
         q_home = np.concatenate([self._home, extra])
         span = np.array([1.0 if d.startswith("r") else self.length for d in self.asked])
         asked = np.asarray(asked, dtype=float)
-        wanted = np.ones(asked.shape[1], dtype=bool) if wanted is None else wanted
-        q = np.full((closure.n_unknowns, asked.shape[1]), np.nan)
-        q[:, wanted], _ = self._tracker.spread(q_home[:, None], home, asked[:, wanted], span)
+        everywhere = wanted is None or bool(wanted.all())
+        poses = asked if everywhere else asked[:, wanted]
+        tracker = self._tracker(poses.shape[1])
+        q, _ = tracker.spread(q_home[:, None], home, poses, span)
+        if not everywhere:
+            found = q
+            q = np.full((closure.n_unknowns, asked.shape[1]), np.nan)
+            q[:, wanted] = found
         return self.observe(q[: self.tree.n_coordinates])
 
     def solve_at(self, at: Mapping[str, float]) -> Postures:
@@ -201,7 +222,7 @@ class Kinematics:
                 )
 
 
-def _size(robot: Robot) -> float:
+def typical_length(robot: Robot) -> float:
     """Return a length (m) that is typical of the robot: its largest offset between frames."""
     offsets = [float(np.linalg.norm(robot.tool.T_body_tool.position))]
     for joint in robot.joints.values():

@@ -8,12 +8,14 @@ assembly mode ends as not found rather than on another branch.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stiffkit.compiled import BatchFunction
+from stiffkit.compiled import over_blocks
+from stiffkit.kinematics.nearest import Nearest, nearest_few
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -22,18 +24,24 @@ Indices = NDArray[np.intp]
 CLOSED = 1e-10
 """Largest residual of a closed posture: gaps over the robot's size, and radians."""
 
-_FIRST_CORRECTION = 0.35
+FIRST_CORRECTION = 0.35
 """Largest first correction, rad or robot sizes (root of the sum of squares)."""
 _LARGEST_TURN = 1.0
 """Largest rotation of the tool in one piece, rad: half a turn would look like none."""
-_CONTRACTION = 0.7
+CONTRACTION = 0.7
 """Each correction is at most this share of the one before; at a reach limit it tends to 1/2."""
 _SAME_BRANCH = 0.5
 """Smallest cosine between the responses to a disturbance at both ends of a piece. A sign that flips
 in between is all that tells of a passage through a singular posture, where Newton's method steps
 from one branch to the other as if nothing were there."""
-_SETTLED = 1e-9
+SETTLED = 1e-9
 """Corrections below this need not contract any more: rounding is near."""
+STEPS = 5
+"""Newton steps that a posture usually takes."""
+BLOCK = 1 << 13
+"""Postures that are followed together: what they need then stays in the cache."""
+_FULL = 0.5
+"""Share of the postures in work that must still be on their way; below it the others are left."""
 _ITERATIONS = 8
 _POLISH = 40
 _SMALLEST_PIECE = 1.0 / 256.0
@@ -64,16 +72,12 @@ class Followed:
 class Tracker:
     """Newton steps of one mechanism, batched."""
 
-    step: BatchFunction
+    step: Callable[[Array], Array]
+    """The kernel of `ClosureEquations.newton_step`."""
     n: int
     """Number of unknowns."""
     turns: Mask
     """(m,), which of the tool coordinates asked for are rotations."""
-
-    def _newton(self, q: Array, asked: Array) -> tuple[Array, Array, Array, Array]:
-        out = self.step(np.concatenate([q, asked]))
-        n = self.n
-        return out[:n], np.sqrt(out[n]), np.sqrt(out[n + 1]), out[n + 2 :]
 
     def follow(self, q: Array, start: Array, end: Array) -> Followed:
         """Continue postures ``q`` (n, N) at tool coordinates ``start`` (m, N) to ``end`` (m, N)."""
@@ -86,12 +90,14 @@ class Tracker:
         active = np.arange(n_postures)
         while active.size:
             s = np.minimum(done[active] + np.minimum(piece, largest)[active], 1.0)
-            target = start[:, active] + s * (end[:, active] - start[:, active])
-            found, accepted, slow = self._correct(q[:, active], target)
+            begin, towards = _columns(start, active), _columns(end, active)
+            found, accepted, slow = self._correct(
+                _columns(q, active), begin + s * (towards - begin)
+            )
             accepted &= ~slow | (s >= 1.0)
             at_limit[active] = slow
             moved = active[accepted]
-            q[:, moved] = found[:, accepted]
+            _put(q, moved, _columns(found, np.flatnonzero(accepted)))
             done[moved] = s[accepted]
             piece[moved] *= 2.0
             piece[active[~accepted]] *= 0.5
@@ -101,29 +107,40 @@ class Tracker:
 
     def _correct(self, q: Array, target: Array) -> tuple[Array, Mask, Mask]:
         """Run Newton's method, and tell where it contracted on one branch, and where slowly."""
-        result = q.copy()
-        accepted, slow = np.zeros((2, q.shape[1]), dtype=bool)
-        active = np.arange(q.shape[1])
-        limit = np.full(q.shape[1], _FIRST_CORRECTION)
-        first = last = np.empty((self.n, 0))
+        n, n_postures = q.shape
+        x = np.concatenate([q, target])
+        found = np.empty_like(q)
+        accepted, slow = np.zeros((2, n_postures), dtype=bool)
+        here = np.arange(n_postures)  # the postures that are the columns of x
+        going = np.ones(n_postures, dtype=bool)
+        limit = np.full(n_postures, FIRST_CORRECTION)
+        first = response = np.empty((n, 0))
         for iteration in range(_ITERATIONS):
-            improved, residual, size, response = self._newton(result[:, active], target[:, active])
+            improved, residual, size, response = self._newton(x)
             if iteration == 0:
-                first, last = response, response.copy()
-            last[:, active] = response
-            good = (size <= np.maximum(limit[active], _SETTLED)) & np.isfinite(residual)
-            settled = good & (size <= _SETTLED)
-            keep = active[good]
-            result[:, keep] = improved[:, good]
-            limit[keep] = _CONTRACTION * size[good]
-            accepted[active[settled]] = True
-            active = active[good & ~settled]
-            if active.size == 0:
+                first = response
+            going &= (size <= np.maximum(limit, SETTLED)) & np.isfinite(residual)
+            settled = going & (size <= SETTLED)
+            x[:n] = improved
+            limit = CONTRACTION * size
+            if settled.any():
+                accepted[here[settled & same_branch(first, response)]] = True
+                going &= ~settled
+            left = np.count_nonzero(going)
+            if left == 0:
                 break
+            # A further step does no harm to what has settled, and costs less than moving the rest.
+            if left < _FULL * going.size:
+                found[:, here] = x[:n]
+                stay = np.flatnonzero(going)
+                x, first, response = (np.take(A, stay, axis=1) for A in (x, first, response))
+                here, going, limit = here[stay], going[stay], limit[stay]
         else:
             # Slow but steady: towards a limit of reach Newton's method gains a bit per step.
-            accepted[active] = slow[active] = True
-        return result, accepted & _same_branch(first, last), slow
+            slow[here[going]] = True
+            accepted[here[going & same_branch(first, response)]] = True
+        _put(found, here, x[:n])
+        return found, accepted, slow
 
     def _polish(self, q: Array, asked: Array, reached: Mask) -> tuple[Array, Mask]:
         closed = np.zeros(q.shape[1], dtype=bool)
@@ -131,12 +148,19 @@ class Tracker:
         for _ in range(_POLISH):
             if active.size == 0:
                 break
-            improved, residual, size, _ = self._newton(q[:, active], asked[:, active])
+            x = np.concatenate([_columns(q, active), _columns(asked, active)])
+            improved, residual, size, _ = self._newton(x)
             closed[active] = residual <= CLOSED
-            q[:, active] = improved
-            active = active[(size > 1e-14) & ((residual > 1e-15) | (size > _SETTLED))]
+            _put(q, active, improved)
+            active = active[(size > 1e-14) & ((residual > 1e-15) | (size > SETTLED))]
         q[:, ~closed] = np.nan
         return q, closed
+
+    def _newton(self, x: Array) -> tuple[Array, Array, Array, Array]:
+        """Return improved unknowns, sizes of residual and step, and the response."""
+        out = self.step(x)
+        n = self.n
+        return out[:n], np.sqrt(out[n]), np.sqrt(out[n + 1]), out[n + 2 :]
 
     def spread(self, q_home: Array, home: Array, asked: Array, span: Array) -> tuple[Array, Mask]:
         """Reach many tool poses ``asked`` (m, N) from one known posture.
@@ -152,6 +176,16 @@ class Tracker:
             around.explore(q_home, home)
             spread.enter_from(around)
         return spread.q, spread.reached
+
+
+@dataclass(frozen=True, eq=False)
+class _Known:
+    """Postures that others can be reached from."""
+
+    q: Array
+    """(n, N), unknowns."""
+    asked: Array
+    """(m, N), tool coordinates."""
 
 
 class _Spread:
@@ -174,39 +208,53 @@ class _Spread:
 
     def some_missing(self) -> Indices:
         """Return a few of the poses that are missing, evenly picked."""
-        return np.sort(np.random.default_rng(0).permutation(self.missing)[:_ANCHORS])
+        missing = self.missing
+        few = min(_ANCHORS, missing.size)
+        rng = np.random.default_rng(0)
+        return np.sort(rng.choice(missing, few, replace=False, shuffle=False))
 
     def explore(self, q_home: Array, home: Array) -> None:
         """Reach a few poses from home, the rest from the nearest one, and then from neighbours."""
+        at_home = _Known(q_home, home[:, None])
         first = self.some_missing()
-        self.extend_from(first, np.repeat(q_home, first.size, axis=1), home[:, None])
+        self.extend_from(at_home, first, np.zeros_like(first))
         if not self.leads_on.any():
             missing = self.missing
-            self.extend_from(missing, np.repeat(q_home, missing.size, axis=1), home[:, None])
+            self.extend_from(at_home, missing, np.zeros_like(missing))
         if self.leads_on.any() and self.missing.size:
-            (nearest,) = _nearest(self.scaled[self.leads_on], self.scaled[self.missing], 1).T
-            self.extend(self.missing, np.flatnonzero(self.leads_on)[nearest])
+            self.extend_from_nearest(np.flatnonzero(self.leads_on))
             self.grow(np.flatnonzero(self.leads_on))
+
+    def extend_from_nearest(self, sources: Indices) -> None:
+        """Try to reach whatever is missing, from the nearest one of some poses reached."""
+        known, missing = _Known(self.q, self.asked), self.missing
+        nearest = Nearest(self.scaled[sources], self.scaled)
+
+        def work(block: slice) -> None:
+            targets = missing[block]
+            self.follow(known, targets, sources[nearest.of(self.scaled[targets])])
+
+        over_blocks(missing.size, BLOCK, work)
 
     def enter_from(self, other: _Spread) -> None:
         """Reach a few poses from the nearest ones of another set, and the rest from these."""
         targets, known = self.some_missing(), np.flatnonzero(other.leads_on)
         if known.size == 0:
             return
-        nearest = _nearest(other.scaled[known], self.scaled[targets], _NEIGHBOURS)
+        nearest = nearest_few(other.scaled[known], self.scaled[targets], _NEIGHBOURS)
         for column in nearest.T:
             still = ~self.reached[targets]
-            sources = known[column[still]]
-            self.extend_from(targets[still], other.q[:, sources], other.asked[:, sources])
+            there = _Known(other.q, other.asked)
+            self.extend_from(there, targets[still], known[column[still]])
         self.grow(targets[self.leads_on[targets]])
 
-    def extend(self, targets: Indices, sources: Indices) -> None:
-        """Try to reach some poses, each from one that was reached."""
-        self.extend_from(targets, self.q[:, sources], self.asked[:, sources])
+    def extend_from(self, known: _Known, targets: Indices, sources: Indices) -> None:
+        """Try to reach some poses, each from one that is known."""
+        over_blocks(targets.size, BLOCK, lambda b: self.follow(known, targets[b], sources[b]))
 
-    def extend_from(self, targets: Indices, q: Array, start: Array) -> None:
+    def follow(self, known: _Known, targets: Indices, sources: Indices) -> None:
         end = self.asked[:, targets]
-        found = self.tracker.follow(q, np.broadcast_to(start, end.shape), end)
+        found = self.tracker.follow(known.q[:, sources], known.asked[:, sources], end)
         self.q[:, targets] = found.q
         self.reached[targets] = found.reached
         self.leads_on[targets] = found.reached & ~found.at_limit
@@ -226,7 +274,8 @@ class _Spread:
             )
             for j in range(_NEIGHBOURS):
                 near = np.isfinite(distance[:, j]) & ~self.reached[missing]
-                self.extend(missing[near], sources[nearest[near, j]])
+                here = _Known(self.q, self.asked)
+                self.extend_from(here, missing[near], sources[nearest[near, j]])
             # What was reached already has been tried; only the new layer can lead further.
             sources = missing[self.leads_on[missing]]
 
@@ -240,19 +289,27 @@ def _waypoints(home: Array, asked: Array, span: Array) -> Array:
     return np.asarray(rng.uniform(low - margin, high + margin, (_WAYPOINTS, home.size)).T)
 
 
-def _nearest(points: Array, queries: Array, k: int) -> Indices:
-    """Return for each query (M, m) which of the points (N, m) are the k nearest ones (M, k)."""
-    from scipy.spatial import cKDTree
-
-    k = min(k, len(points))
-    _, nearest = cKDTree(points).query(queries, k=list(range(1, 1 + k)))
-    return np.asarray(nearest).reshape(len(queries), k)
+def _columns(A: Array, which: Indices) -> Array:
+    """Return some columns of A; A itself where these are all of them, one after the other."""
+    return A if which.size == A.shape[1] else np.take(A, which, axis=1)
 
 
-def _same_branch(first: Array, last: Array) -> Mask:
+def _put(A: Array, which: Indices, columns: Array) -> None:
+    """Replace some columns of A, which are given in their order."""
+    if which.size == A.shape[1]:
+        A[:] = columns
+    else:
+        A[:, which] = columns
+
+
+def same_branch(first: Array, last: Array) -> Mask:
     """Tell whether responses (n, N) at both ends of a piece point the same way."""
-    sizes = np.sqrt(np.sum(first**2, axis=0) * np.sum(last**2, axis=0))
-    return np.asarray(np.sum(first * last, axis=0) > _SAME_BRANCH * sizes)
+    sizes = np.sqrt(_dots(first, first) * _dots(last, last))
+    return np.asarray(_dots(first, last) > _SAME_BRANCH * sizes)
+
+
+def _dots(A: Array, B: Array) -> Array:
+    return np.asarray(np.einsum("ij,ij->j", A, B))
 
 
 def _typical_spacing(points: Array) -> float:

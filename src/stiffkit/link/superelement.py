@@ -66,6 +66,10 @@ class Superelement:
         )
 
 
+_GAUSS = np.polynomial.legendre.leggauss(5)
+"""Points in (-1, 1) and weights: exact for the mass of elements with cubic shapes."""
+
+
 @dataclass(frozen=True, eq=False)
 class Struck:
     """Directions whose rows and columns are struck out of the springs at the ends of a lumped link.
@@ -92,25 +96,29 @@ def consistent_superelement(line: Line, n_elements: int, n_modes: int | None) ->
     h = line.length / n_elements
     size = 6 * (n_elements + 1)
     K, M = np.zeros((size, size)), np.zeros((size, size))
+    stiffness, shapes = _element(line, h)
     for e in range(n_elements):
         at = slice(6 * e, 6 * e + 12)
-        stiffness, mass = _element(line, e * h, h)
         K[at, at] += stiffness
-        M[at, at] += mass
+        for point, weight, shape in zip(*_GAUSS, shapes, strict=True):
+            section = line.section_mass(h * (e + 0.5 * (1.0 + point)))
+            M[at, at] += 0.5 * h * weight * shape.T @ section @ shape
     rule = f"{line.rule}, {n_elements} consistent elements"
     stations = np.asarray(h * np.arange(n_elements + 1), dtype=float)
     return _reduced(K, M, line, stations, n_modes, rule)
 
 
-def _element(line: Line, start: float, h: float) -> tuple[Array, Array]:
-    """Return stiffness and mass (12, 12) of a piece of a line."""
+def _element(line: Line, h: float) -> tuple[Array, list[Array]]:
+    """Return the stiffness (12, 12) of a piece of a line, and its shapes (6, 12) at `_GAUSS`.
+
+    Shapes are twists at a point of the piece for unit twists of its two ends.
+    """
     N, kappa = line.carry(), line.flexibility
     eye = np.eye(6)
     inverse = np.linalg.inv(_piece_compliance(line, h))
     relative = np.hstack([-(eye + h * N), eye])
-    mass = np.zeros((12, 12))
-    points, weights = np.polynomial.legendre.leggauss(5)
-    for point, weight in zip(points, weights, strict=True):
+    shapes = []
+    for point in _GAUSS[0]:
         s = 0.5 * h * (1.0 + point)
         rest = h - s
         # The twist at s of the clamped piece under a unit wrench at its end.
@@ -122,8 +130,8 @@ def _element(line: Line, start: float, h: float) -> tuple[Array, Array]:
         )
         shape = D @ inverse @ relative
         shape[:, :6] += eye + s * N
-        mass += 0.5 * h * weight * shape.T @ line.section_mass(start + s) @ shape
-    return relative.T @ inverse @ relative, mass
+        shapes.append(shape)
+    return relative.T @ inverse @ relative, shapes
 
 
 def _piece_compliance(line: Line, h: float) -> Array:

@@ -23,9 +23,11 @@ from stiffkit.plots.quantities import (
 )
 from stiffkit.plots.sweep import (
     OK,
+    Columns,
     Sweep,
     axis_unit,
     cases_of,
+    columns_of,
     is_planar,
     loads_of,
     middle_posture,
@@ -43,6 +45,7 @@ __all__ = [
     "OK",
     "QUANTITIES",
     "BranchLine",
+    "Columns",
     "DisplayUnit",
     "Kind",
     "Quantity",
@@ -52,6 +55,7 @@ __all__ = [
     "branch_lines",
     "branch_model",
     "cases_of",
+    "columns_of",
     "curve_figure",
     "display_unit",
     "format_value",

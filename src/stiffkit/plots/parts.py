@@ -25,6 +25,9 @@ _LIGHT = np.array([0.35, -0.55, 0.76])
 _DRAWN = 12_000
 """Triangles beyond which a picture shows no edges."""
 
+_FILLS = 1.2
+"""The zoom at which a part without axes fills its picture."""
+
 _BULGE = 0.12
 """Size of the largest drawn displacement, over that of the part."""
 
@@ -75,9 +78,12 @@ def face_figure(part: Part) -> Figure:
 def mesh_figure(link: CadLink) -> Figure:
     """Return a picture of the mesh's surface in link axes, with the ports."""
     surface = link.solved.surface
-    figure = style.new_figure(style.COLUMN, style.COLUMN)
+    figure = style.new_figure(style.COLUMN, 0.75 * style.COLUMN)
     low, high = surface.points.min(axis=0), surface.points.max(axis=0)
-    axes = _space(figure, 1, 1, 1, low, high, _VIEW)
+    axes = _space(figure, 1, 1, 1, low, high, _VIEW, zoom=_FILLS)
+    axes.set_axis_off()
+    size = " x ".join(f"{1e3 * length:.3g}" for length in high - low)
+    style.set_title(axes, f"{size} mm along x, y and z of the link")
     edges = len(surface.triangles) <= _DRAWN
     _add_triangles(axes, 1e3 * surface.points[surface.triangles], edges=edges)
     places = {name: frame.position for name, frame in link.solved.ports.items()}
@@ -92,7 +98,7 @@ def shapes_figure(link: CadLink) -> Figure:
     """Return the deformed shapes under the six loads at each port, each to a scale of its own."""
     surface = link.solved.surface
     names = list(link.solved.ports)
-    figure = style.new_figure(style.PAGE, 0.7 * style.PAGE * len(names))
+    figure = style.new_figure(style.PAGE, 0.5 * style.PAGE * len(names))
     span = float(np.linalg.norm(np.ptp(surface.points, axis=0)))
     size = np.linalg.norm(surface.displacements, axis=1)
     moved = [
@@ -102,7 +108,7 @@ def shapes_figure(link: CadLink) -> Figure:
     low = np.min([points.min(axis=0) for points in moved], axis=0)
     high = np.max([points.max(axis=0) for points in moved], axis=0)
     for k, points in enumerate(moved):
-        axes = _space(figure, 2 * len(names), 3, k + 1, low, high, _VIEW)
+        axes = _space(figure, 2 * len(names), 3, k + 1, low, high, _VIEW, zoom=_FILLS)
         axes.set_axis_off()
         share = size[surface.triangles, k].mean(axis=1) / max(float(size[:, k].max()), 1e-300)
         _add_triangles(axes, 1e3 * points[surface.triangles], edges=False, values=share)
@@ -113,7 +119,7 @@ def shapes_figure(link: CadLink) -> Figure:
 
 @style.styled
 def convergence_figure(link: CadLink) -> Figure:
-    """Return estimated error, and difference from the last solution, over unknowns by mesh."""
+    """Return estimated error, and difference from the result, over unknowns by mesh."""
     steps = link.solved.steps
     figure = style.new_figure(style.COLUMN, 0.75 * style.COLUMN)
     axes = figure.add_subplot()
@@ -122,7 +128,7 @@ def convergence_figure(link: CadLink) -> Figure:
         estimates = [(step.unknowns, step.estimate) for step in own if step.estimate]
         changes = [(step.unknowns, step.change) for step in own if step.change > 0.0]
         _add_line(axes, estimates, "estimated error" if mesh == 1 else "", "refined")
-        _add_line(axes, changes, "difference from the last" if mesh == 1 else "", "simplified")
+        _add_line(axes, changes, "difference from the result" if mesh == 1 else "", "simplified")
     tolerance = link.solved.facts["tolerance"]
     if tolerance is not None:
         axes.axhline(100.0 * tolerance, color=style.INK, linewidth=0.8, linestyle=":")
@@ -160,6 +166,8 @@ def _space(
     low: Array,
     high: Array,
     view: tuple[float, float],
+    *,
+    zoom: float = 0.85,
 ) -> Any:
     """Return axes in space that hold a box (m), lengths alike along all of them, in mm."""
     axes: Any = figure.add_subplot(rows, columns, number, projection="3d")
@@ -169,7 +177,7 @@ def _space(
         getattr(axes, f"set_{axis}lim")(m - 0.5 * s, m + 0.5 * s)
         getattr(axes, f"set_{axis}label")(f"{axis}, mm")
         getattr(axes, f"{axis}axis").set_major_locator(_few_ticks())
-    axes.set_box_aspect(tuple(span), zoom=0.85)
+    axes.set_box_aspect(tuple(span), zoom=zoom)
     axes.view_init(*view)
     return axes
 
@@ -202,4 +210,6 @@ def _add_triangles(
         linewidths=0.15,
         rasterized=True,
     )
+    # Axes in space are square, and parts are longer than that.
+    faces.set_clip_on(False)
     axes.add_collection3d(faces)

@@ -138,6 +138,11 @@ def save(figure: Figure, stem: Path) -> list[Path]:
     svg, png = stem.with_name(stem.name + ".svg"), stem.with_name(stem.name + ".png")
     try:
         with _look():
+            # Arranged once: it takes longer than drawing, and every file would do it anew.
+            engine = figure.get_layout_engine()
+            if engine is not None:
+                engine.execute(figure)
+            figure.set_layout_engine("none")
             figure.savefig(svg, metadata={"Date": None, "Creator": "stiffkit"})
             figure.savefig(png, dpi=DPI, metadata={"Software": "stiffkit"})
     except OSError as error:

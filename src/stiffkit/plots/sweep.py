@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import xarray as xr
@@ -117,31 +118,64 @@ def values_of(dataset: xr.Dataset, quantity: Quantity, model: str, load: str | N
     values[status_of(dataset, model) != OK] = np.nan
     reference = quantity.scale if quantity.scale in dataset else quantity.name
     scale = np.abs(_select(dataset[reference], quantity, load))
-    scale = scale[np.isfinite(scale) & (scale > 0.0)]
-    if scale.size == 0:
+    counts = np.isfinite(scale) & (scale > 0.0)
+    if not counts.any():
         return values
     if quantity.worst_is_largest:
-        values[np.abs(values) < ROUNDING * scale.max()] = 0.0
+        values[np.abs(values) < ROUNDING * scale.max(where=counts, initial=0.0)] = 0.0
     else:
-        values[values > scale.min() / ROUNDING] = np.inf
+        values[values > scale.min(where=counts, initial=np.inf) / ROUNDING] = np.inf
     return values
+
+
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """A quantity by all models of a map, for one load case if it has any."""
+
+    quantity: Quantity
+    load: str | None
+    values: Mapping[str, Array]
+    """By model, as `values_of` gives them."""
+
+    @cached_property
+    def unit(self) -> DisplayUnit:
+        """The unit for the quantity, the same one for all models."""
+        everything = np.concatenate([v.ravel() for v in self.values.values()])
+        return display_unit(self.quantity.kind, everything)
+
+    @cached_property
+    def ratio(self) -> Array | None:
+        """Refined over simplified, NaN where that means nothing; None unless both are there."""
+        if set(self.values) != {"refined", "simplified"}:
+            return None
+        refined, simplified = self.values["refined"], self.values["simplified"]
+        ratio = np.full(refined.shape, np.nan)
+        usable = np.isfinite(refined) & np.isfinite(simplified) & (simplified != 0.0)
+        np.divide(refined, simplified, out=ratio, where=usable)
+        return ratio
+
+
+def columns_of(dataset: xr.Dataset, quantity: Quantity, load: str | None) -> Columns:
+    """Return a quantity by all models; raises what `values_of` raises."""
+    values = {m: values_of(dataset, quantity, m, load) for m in models_of(dataset)}
+    return Columns(quantity, load, values)
 
 
 def unit_of(dataset: xr.Dataset, quantity: Quantity, load: str | None) -> DisplayUnit:
     """Return the unit for a quantity, the same one for all models."""
-    values = [values_of(dataset, quantity, model, load) for model in models_of(dataset)]
-    return display_unit(quantity.kind, np.concatenate([v.ravel() for v in values]))
+    return columns_of(dataset, quantity, load).unit
 
 
 def ratio_of(dataset: xr.Dataset, quantity: Quantity, load: str | None) -> Array:
-    """Return refined over simplified in the sweep's shape; NaN where it means nothing."""
-    refined, simplified = (
-        values_of(dataset, quantity, model, load) for model in ("refined", "simplified")
-    )
-    ratio = np.full(refined.shape, np.nan)
-    usable = np.isfinite(refined) & np.isfinite(simplified) & (simplified != 0.0)
-    np.divide(refined, simplified, out=ratio, where=usable)
-    return ratio
+    """Return refined over simplified in the sweep's shape; NaN where it means nothing.
+
+    Raises:
+        OutputError: if one of the two models is not in the map.
+    """
+    for model in ("refined", "simplified"):
+        _must_be_one_of("model", model, models_of(dataset))
+    ratio = columns_of(dataset, quantity, load).ratio
+    return ratio if ratio is not None else np.full(sweep_of(dataset).shape, np.nan)
 
 
 def axis_unit(axis: str) -> DisplayUnit:

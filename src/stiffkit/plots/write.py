@@ -17,6 +17,7 @@ from stiffkit.plots.curves import curve_figure
 from stiffkit.plots.maps import map_figure, model_comparison_figure
 from stiffkit.plots.quantities import Quantity, main_quantities
 from stiffkit.plots.sweep import cases_of, is_planar, loads_of, models_of, sweep_of, values_of
+from stiffkit.plots.thin import thinned
 
 
 def write_figures(dataset: xr.Dataset, directory: Path) -> list[Path]:
@@ -25,7 +26,8 @@ def write_figures(dataset: xr.Dataset, directory: Path) -> list[Path]:
     For each main quantity and load case: ``compare-...`` of both models side by side, or
     ``map-...`` where the dataset holds only one, and ``curves-...`` along lines through the
     workspace. Quantities that are zero or rigid throughout are left out. ``curves-frequency`` has
-    the natural frequencies mode by mode, if the map holds them.
+    the natural frequencies mode by mode, if the map holds them. Of very many postures some are
+    drawn, see `stiffkit.plots.thin`.
 
     Args:
         dataset: a stiffness map.
@@ -39,7 +41,7 @@ def write_figures(dataset: xr.Dataset, directory: Path) -> list[Path]:
     """
     style.make_folder(directory)
     written: list[Path] = []
-    for stem, draw in _figures(dataset):
+    for stem, draw in _figures(thinned(dataset)):
         written += style.save(draw(), directory / stem)
     return written
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from html import escape
 from pathlib import Path
-from string import Template
 
 import numpy as np
 
@@ -12,9 +11,9 @@ from stiffkit import __version__
 from stiffkit.identify import IdentifiedLink, asymmetry_of, estimator_word, outlier_words
 from stiffkit.report.identify_payload import payload_of
 from stiffkit.report.identify_tables import alternatives_table, cases_table, compliance_table
-from stiffkit.report.page import asset, inline_script, write_text
 from stiffkit.report.payload import json_for_script
 from stiffkit.report.tables import bullet_list, card, pair_table
+from stiffkit.report.template import Script, fill, page, write_text
 
 LEAST_ASYMMETRY = 1e-5
 """Shares below this are told as such."""
@@ -31,16 +30,10 @@ def write_identify_page(link: IdentifiedLink, path: Path) -> None:
 
 
 def _page(link: IdentifiedLink) -> str:
-    # It takes a second to import, and only this function needs it.
-    from plotly.offline import get_plotlyjs
-
     found = link.found
     level = f"{100.0 * found.options.level:.6g} %"
-    return Template(asset("identify.html")).substitute(
-        title=escape(link.spec.title),
-        scope=escape(f"Compliance of the tip with the base held, from {link.chosen.words}."),
-        version=escape(__version__),
-        style=asset("page.css") + asset("identify.css"),
+    main = fill(
+        "identify.html",
         cards=_cards(link),
         doubts=_doubts(link.doubts),
         compliance_mm=compliance_table(link, millimetres=True),
@@ -52,9 +45,20 @@ def _page(link: IdentifiedLink) -> str:
         notes=bullet_list(link.notes, otherwise="None."),
         choices=pair_table(_choices(link)),
         provenance=pair_table(_provenance(link)),
-        data=json_for_script(payload_of(link)),
-        plotly=inline_script(get_plotlyjs()),
-        script=inline_script("\n".join(asset(name) for name in _SCRIPTS)),
+    )
+    return page(
+        "identified compliance",
+        title=link.spec.title,
+        scope=f"Compliance of the tip with the base held, from {link.chosen.words}.",
+        version=__version__,
+        styles=("page.css", "identify.css"),
+        main=main,
+        script=Script(
+            "The residuals on this page are",
+            json_for_script(payload_of(link)),
+            _SCRIPTS,
+            uses_plotly=True,
+        ),
     )
 
 

@@ -6,7 +6,6 @@ import base64
 from collections.abc import Sequence
 from html import escape
 from pathlib import Path
-from string import Template
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +14,8 @@ from stiffkit import __version__
 from stiffkit.fea.cad_link import CadLink
 from stiffkit.link.ports import BASE, in_words
 from stiffkit.report.link_readings import readings_section
-from stiffkit.report.page import asset, write_text
 from stiffkit.report.tables import bullet_list, card, pair_table
+from stiffkit.report.template import fill, page, write_text
 from stiffkit.robot import DIRECTIONS
 
 _WHOLE = (
@@ -40,11 +39,8 @@ def _page(link: CadLink, figures: Sequence[Path]) -> str:
     interfaces = link.solved.facts["interfaces"].items()
     kinds = ", ".join(f"{name} {one['interface']}" for name, one in reversed(interfaces))
     scope = f"{kinds[:1].upper()}{kinds[1:]}, from {link.spec.cad.name}."
-    return Template(asset("link.html")).substitute(
-        title=escape(link.spec.title),
-        scope=escape(scope),
-        version=escape(__version__),
-        style=asset("page.css"),
+    main = fill(
+        "link.html",
         cards=_cards(link),
         compliance_mm=_compliances(link, millimetres),
         compliance_si=_compliances(link, np.ones((6, 6))),
@@ -59,6 +55,14 @@ def _page(link: CadLink, figures: Sequence[Path]) -> str:
         notes=bullet_list(link.notes, otherwise="None."),
         provenance=pair_table(_provenance(link)),
     )
+    return page(
+        "link from CAD",
+        title=link.spec.title,
+        scope=scope,
+        version=__version__,
+        styles=("page.css", "link.css"),
+        main=main,
+    )
 
 
 def _cards(link: CadLink) -> str:
@@ -66,7 +70,7 @@ def _cards(link: CadLink) -> str:
     wanted = solved.facts["tolerance"]
     asked = "one mesh was asked for" if wanted is None else f"{_percent(wanted)} % was asked for"
     values = solved.element.mode_stiffness
-    first = f"{np.sqrt(values[0]) / (2.0 * np.pi):.4g}" if values.size else "–"
+    first = f"{np.sqrt(values[0]) / (2.0 * np.pi):.5g}" if values.size else "–"
     return "".join(
         [
             card(
@@ -122,7 +126,7 @@ def _beams(link: CadLink) -> str:
         f'<table class="figures"><thead><tr><th></th>{heads}</tr></thead>'
         f"<tbody>{''.join(rows)}</tbody></table>"
     )
-    return Template(asset("link_beams.html")).substitute(table=table)
+    return fill("link_beams.html", table=table)
 
 
 def _beam_row(name: str, values: NDArray[np.float64], form: str) -> str:
@@ -134,14 +138,21 @@ def _interfaces(link: CadLink) -> list[tuple[str, str]]:
     pairs = []
     for name, one in link.solved.facts["interfaces"].items():
         numbers = ", ".join(map(str, one["numbers"]))
-        place = ", ".join(f"{1e3 * x:.6g}" for x in one["at"])
+        place = ", ".join(f"{1e3 * x:.6g}" for x in _without_noise(one["at"], link))
         words = f"{one['interface']}: face {numbers} ({one['faces']}), {1e6 * one['area']:.5g} mm²"
         pairs.append((name, f"{words}, at ({place}) mm in part axes"))
     return pairs
 
 
+def _without_noise(place: Sequence[float], link: CadLink) -> NDArray[np.float64]:
+    """Return a point with 0 for what rounding has left of it."""
+    out = np.array(place)
+    out[np.abs(out) < 1e-9 * max(link.solved.facts["size"])] = 0.0
+    return out
+
+
 def _steps(link: CadLink) -> str:
-    heads = ("mesh", "order", "elements", "unknowns", "seconds", "estimate, %", "from last, %")
+    heads = ("mesh", "order", "elements", "unknowns", "seconds", "estimate, %", "from result, %")
     top = "".join(f'<th scope="col">{head}</th>' for head in heads)
     rows = "".join(
         f"<tr><td>{step.mesh}</td><td>{step.orders}</td><td>{step.elements}</td>"

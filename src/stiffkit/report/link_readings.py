@@ -8,7 +8,7 @@ from typing import Any
 
 from stiffkit.fea.cad_link import CadLink
 
-_HEADS = ("load", "sigma, nm", "largest, nm", "of the motion, %", "what it looks like")
+_HEADS = ("sigma, nm", "largest, nm", "of the motion, %")
 
 
 def readings_section(link: CadLink) -> str:
@@ -26,7 +26,11 @@ def _meanings(readings: Mapping[str, Any]) -> list[str]:
 
 
 def _table(port: str, loads: Mapping[str, Any]) -> str:
-    heads = "".join(f'<th scope="col">{head}</th>' for head in _HEADS)
+    heads = (
+        '<th class="words" scope="col">load</th>'
+        + "".join(f'<th scope="col">{head}</th>' for head in _HEADS)
+        + '<th class="words" scope="col">what it looks like</th>'
+    )
     rows = "".join(_row(name, load) for name, load in loads.items())
     return (
         f"<h3>{escape(port)}</h3>"

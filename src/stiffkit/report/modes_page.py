@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from html import escape
 from pathlib import Path
-from string import Template
 from typing import Any
 
 import numpy as np
@@ -12,9 +10,9 @@ from numpy.typing import NDArray
 
 from stiffkit import __version__
 from stiffkit.errors import OutputError
-from stiffkit.report.page import asset, inline_script, write_text
 from stiffkit.report.payload import json_for_script
 from stiffkit.report.tables import bullet_list, pair_table
+from stiffkit.report.template import Script, fill, page, write_text
 from stiffkit.robot import DIRECTIONS
 from stiffkit.study import ModesResult
 from stiffkit.vibration import SHOWN, ModesDrawing
@@ -44,12 +42,9 @@ def write_modes_page(result: ModesResult, path: Path) -> None:
 
 
 def _page(result: ModesResult, drawing: ModesDrawing) -> str:
-    return Template(asset("modes.html")).substitute(
-        title=escape(result.title or result.robot),
-        scope=escape(f"{result.model.capitalize()} model, tool at {_pose_words(result.tool)}."),
-        version=escape(__version__),
-        style=asset("page.css") + asset("modes.css"),
-        shown=round(100 * SHOWN),
+    main = fill(
+        "modes.html",
+        shown=f"{round(100 * SHOWN)}",
         free_motions=bullet_list(
             [*result.free_motions, *result.idle_motions],
             otherwise="None: with all drives held, nothing moves without deforming.",
@@ -64,8 +59,16 @@ def _page(result: ModesResult, drawing: ModesDrawing) -> str:
             ]
         ),
         rules=pair_table(list(result.rules.items()), otherwise="None."),
-        data=json_for_script(_payload(result, drawing)),
-        script=inline_script(asset("modes.js")),
+    )
+    data = json_for_script(_payload(result, drawing))
+    return page(
+        "modes of vibration",
+        title=result.title or result.robot,
+        scope=f"{result.model.capitalize()} model, tool at {_pose_words(result.tool)}.",
+        version=__version__,
+        styles=("page.css", "modes.css"),
+        main=main,
+        script=Script("The mechanism on this page is", data, ("modes.js",)),
     )
 
 

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import base64
-import re
 from collections.abc import Sequence
 from html import escape
-from importlib import resources
 from pathlib import Path
-from string import Template
 
 import xarray as xr
 
@@ -22,6 +19,7 @@ from stiffkit.report.tables import (
     pair_table,
     provenance,
 )
+from stiffkit.report.template import Script, fill, page, write_text
 from stiffkit.report.words import (
     key_figures,
     loads_in_words,
@@ -40,7 +38,6 @@ _SCRIPTS = (
     "worst.js",
     "main.js",
 )
-"""In the order in which they build on each other."""
 
 
 def write_report(
@@ -66,35 +63,18 @@ def write_report(
     """
     # The page shows neither 6x6 matrices nor components, by far the largest part of a map.
     dataset = dataset.drop_vars(["compliance", "deflection"], errors="ignore").compute()
-    page = _page(dataset, summary, figures)
-    write_text(page, path, "report")
-
-
-def write_text(text: str, path: Path, what: str) -> None:
-    """Write a page, called ``what`` in messages. Raises OutputError if it cannot be written."""
-    try:
-        path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise OutputError(
-            f"cannot write the {what} {path}: {error.strerror or error}",
-            mend="give a file in a folder that exists and that you may write to",
-        ) from error
+    write_text(_page(dataset, summary, figures), path, "report")
 
 
 def _page(dataset: xr.Dataset, summary: Sequence[tuple[str, str]], figures: Sequence[Path]) -> str:
-    # It takes a second to import, and only this function needs it.
-    from plotly.offline import get_plotlyjs
-
     rows = key_figures(dataset)
     payload = payload_of(dataset)
     attrs = dataset.attrs
     version = str(attrs.get("stiffkit_version", ""))
-    return Template(asset("page.html")).substitute(
-        title=escape(str(attrs.get("title") or attrs.get("robot") or "Robot")),
-        scope=escape(scope_in_words(dataset)),
-        models=escape((" and ".join(models_of(dataset)) + " model").capitalize()),
+    models = (" and ".join(models_of(dataset)) + " model").capitalize()
+    main = fill(
+        "map.html",
         version=escape(version),
-        style=asset("page.css"),
         cards=cards(dataset, rows),
         decimation=escape(_decimation(payload["blocks"])),
         status=bullet_list(status_in_words(dataset)),
@@ -108,9 +88,17 @@ def _page(dataset: xr.Dataset, summary: Sequence[tuple[str, str]], figures: Sequ
         notes=bullet_list(texts_of(dataset, "notes"), otherwise="None."),
         figures=_gallery(figures),
         provenance=pair_table(provenance(attrs)),
-        data=json_for_script(payload),
-        plotly=inline_script(get_plotlyjs()),
-        script=inline_script("\n".join(asset(name) for name in _SCRIPTS)),
+    )
+    return page(
+        "stiffness map",
+        title=str(attrs.get("title") or attrs.get("robot") or "Robot"),
+        scope=f"{scope_in_words(dataset)}. {models}.",
+        version=version,
+        styles=("page.css",),
+        main=main,
+        script=Script(
+            "The maps on this page are", json_for_script(payload), _SCRIPTS, uses_plotly=True
+        ),
     )
 
 
@@ -149,13 +137,3 @@ def _gallery(figures: Sequence[Path]) -> str:
         f"<section><details><summary>Figures for print ({len(images)})</summary>"
         f'<div class="gallery">{"".join(images)}</div></details></section>'
     )
-
-
-def inline_script(code: str) -> str:
-    """Return JavaScript that no HTML parser mistakes for the end of its script element."""
-    return re.sub(r"<(?=/script|!--)", r"<\\", code, flags=re.IGNORECASE)
-
-
-def asset(name: str) -> str:
-    """Return the text of a file that pages are made of."""
-    return resources.files("stiffkit.report").joinpath("assets", name).read_text(encoding="utf-8")

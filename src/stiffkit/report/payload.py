@@ -12,14 +12,15 @@ from numpy.typing import NDArray
 
 from stiffkit.plots import (
     BranchLine,
+    Columns,
     DisplayUnit,
     Kind,
-    Quantity,
     Sweep,
     axis_unit,
     branch_lines,
     branch_model,
     cases_of,
+    columns_of,
     display_unit,
     format_value,
     has_branches,
@@ -30,11 +31,8 @@ from stiffkit.plots import (
     models_of,
     position_text,
     quantities_of,
-    ratio_of,
     status_of,
     sweep_of,
-    unit_of,
-    values_of,
 )
 from stiffkit.report.decimate import (
     Blocks,
@@ -47,9 +45,9 @@ from stiffkit.report.decimate import (
 
 Array = NDArray[np.float64]
 
-PLOTTED_POSTURES = 20_000
+PLOTTED_POSTURES = 12_000
 """A page shows at most this many postures, ..."""
-PLOTTED_NUMBERS = 1_000_000
+PLOTTED_NUMBERS = 600_000
 """... and at most this many numbers in all, for maps with many loads or joints."""
 FEWEST_POSTURES = 2_000
 
@@ -82,9 +80,7 @@ def payload_of(dataset: xr.Dataset) -> dict[str, Any]:
         "first": main_quantities(dataset, planar=planar)[0].name,
         "status": {m: "".join(str(int(v)) for v in s.ravel()) for m, s in status.items()},
         "others": _other_coordinates(dataset, sweep, blocks),
-        "quantities": [_quantity(dataset, quantity) for quantity in quantities_of(dataset)],
-        "values": _all_values(dataset, blocks),
-        "worst": _all_worst(dataset, sweep),
+        **_of_quantities(dataset, sweep, blocks),
         "branches": _branches(dataset) if has_branches(dataset) else None,
     }
 
@@ -124,8 +120,13 @@ def _axis(sweep: Sweep, axis: str, blocks: Blocks) -> dict[str, Any]:
     unit = axis_unit(axis)
     block = blocks[sweep.axes.index(axis)] if sweep.is_grid else blocks[0]
     shown = unit.of(coordinates_of_blocks(sweep.coordinates[axis], block))
-    values = [float(f"{value:.7g}") for value in np.round(shown, 9)]
+    values = [_short(value) for value in shown]
     return {"name": axis, "unit": unit.symbol, "values": values, "isLength": axis[0] != "r"}
+
+
+def _short(value: float) -> float:
+    """Return a coordinate as it is shown and compared, without what rounding left of a zero."""
+    return float(f"{np.round(value, 9) + 0.0:.7g}")
 
 
 def _other_coordinates(dataset: xr.Dataset, sweep: Sweep, blocks: Blocks) -> list[dict[str, Any]]:
@@ -154,32 +155,51 @@ def _coordinate(name: str, unit: DisplayUnit, values: Array, blocks: Blocks) -> 
     return {"name": name, "unit": unit.symbol, "data": _encode(shown)}
 
 
-def _quantity(dataset: xr.Dataset, quantity: Quantity) -> dict[str, Any]:
-    return {
-        "name": quantity.name,
-        "label": quantity.label,
-        "perLoad": quantity.per_load,
-        "worstIsLargest": quantity.worst_is_largest,
-        "units": {
-            load or "": unit_of(dataset, quantity, load).symbol
-            for load in cases_of(dataset, quantity)
-        },
-    }
-
-
-def _all_values(dataset: xr.Dataset, blocks: Blocks) -> dict[str, str]:
-    values = {}
+def _of_quantities(dataset: xr.Dataset, sweep: Sweep, blocks: Blocks) -> dict[str, Any]:
+    """Return what the page knows of each quantity: its values, and its worst postures."""
+    quantities: list[dict[str, Any]] = []
+    values: dict[str, str] = {}
+    worst: dict[str, list[dict[str, Any]]] = {}
     for quantity in quantities_of(dataset):
+        units: dict[str, str] = {}
         for load in cases_of(dataset, quantity):
-            unit = unit_of(dataset, quantity, load)
-            for model in models_of(dataset):
-                worst = worst_of_blocks(
-                    values_of(dataset, quantity, model, load),
-                    blocks,
-                    worst_is_largest=quantity.worst_is_largest,
-                )
-                values[key_of(quantity.name, model, load)] = _encode(unit.of(worst))
+            columns = columns_of(dataset, quantity, load)
+            units[load or ""] = columns.unit.symbol
+            values |= _values(columns, blocks)
+            worst |= _worst(dataset, sweep, columns)
+        quantities.append(
+            {
+                "name": quantity.name,
+                "label": quantity.label,
+                "perLoad": quantity.per_load,
+                "worstIsLargest": quantity.worst_is_largest,
+                "units": units,
+            }
+        )
+    return {"quantities": quantities, "values": values, "worst": worst}
+
+
+def _values(columns: Columns, blocks: Blocks) -> dict[str, str]:
+    quantity, load = columns.quantity, columns.load
+    values = {}
+    for model, column in columns.values.items():
+        worst = worst_of_blocks(column, blocks, worst_is_largest=quantity.worst_is_largest)
+        values[key_of(quantity.name, model, load)] = _encode(columns.unit.of(worst))
     return values
+
+
+def _worst(dataset: xr.Dataset, sweep: Sweep, columns: Columns) -> dict[str, list[dict[str, Any]]]:
+    quantity, load = columns.quantity, columns.load
+    shown = {model: columns.unit.of(values) for model, values in columns.values.items()}
+    if columns.ratio is not None:
+        shown[RATIO] = columns.ratio
+    tables = {}
+    for model, values in shown.items():
+        indices = worst_postures(values, worst_is_largest=quantity.worst_is_largest)
+        tables[key_of(quantity.name, model, load)] = [
+            _posture(dataset, sweep, index, float(values.flat[index])) for index in indices
+        ]
+    return tables
 
 
 def _branches(dataset: xr.Dataset) -> dict[str, Any]:
@@ -207,30 +227,12 @@ def _branch_line(line: BranchLine, unit: DisplayUnit) -> dict[str, Any]:
     }
 
 
-def _all_worst(dataset: xr.Dataset, sweep: Sweep) -> dict[str, list[dict[str, Any]]]:
-    models = models_of(dataset)
-    has_both = set(models) == {"refined", "simplified"}
-    tables = {}
-    for quantity in quantities_of(dataset):
-        for load in cases_of(dataset, quantity):
-            unit = unit_of(dataset, quantity, load)
-            columns = {m: unit.of(values_of(dataset, quantity, m, load)) for m in models}
-            if has_both:
-                columns[RATIO] = ratio_of(dataset, quantity, load)
-            for model, values in columns.items():
-                indices = worst_postures(values, worst_is_largest=quantity.worst_is_largest)
-                tables[key_of(quantity.name, model, load)] = [
-                    _posture(dataset, sweep, index, float(values.flat[index])) for index in indices
-                ]
-    return tables
-
-
 def _posture(dataset: xr.Dataset, sweep: Sweep, index: int, value: float) -> dict[str, Any]:
     where = np.unravel_index(index, sweep.shape)
     cut = dict(zip(sweep.axes if sweep.is_grid else ("point",), where, strict=True))
     tool = np.asarray(dataset["tool"].isel(cut).values, dtype=np.float64)
     directions = [str(d) for d in dataset["direction"].values]
-    at = [float(f"{axis_unit(axis).of(tool[directions.index(axis)]):.7g}") for axis in sweep.axes]
+    at = [_short(float(axis_unit(axis).of(tool[directions.index(axis)]))) for axis in sweep.axes]
     pose = [
         [d, format_value(float(np.round(axis_unit(d).of(v), 9))), axis_unit(d).symbol]
         for d, v in zip(directions, tool, strict=True)

@@ -14,15 +14,13 @@ from stiffkit.plots import (
     Quantity,
     axis_unit,
     cases_of,
+    columns_of,
     format_value,
     is_planar,
     models_of,
     quantities_of,
-    ratio_of,
     status_of,
     sweep_of,
-    unit_of,
-    values_of,
 )
 
 Array = NDArray[np.float64]
@@ -70,15 +68,15 @@ def key_figures(dataset: xr.Dataset) -> list[KeyFigure]:
         if quantity.name in left_out or quantity.name.endswith("_max"):
             continue
         for load in cases_of(dataset, quantity):
-            unit = unit_of(dataset, quantity, load)
+            columns = columns_of(dataset, quantity, load)
             spreads = {
-                model: spread_of(unit.of(values_of(dataset, quantity, model, load)), quantity)
-                for model in models_of(dataset)
+                model: spread_of(columns.unit.of(values), quantity)
+                for model, values in columns.values.items()
             }
             if all(spread.is_trivial for spread in spreads.values()):
                 continue
-            ratio = _median(_ratio(dataset, quantity, load))
-            rows.append(KeyFigure(quantity, load, unit.symbol, spreads, ratio))
+            ratio = _median(columns.ratio)
+            rows.append(KeyFigure(quantity, load, columns.unit.symbol, spreads, ratio))
     return rows
 
 
@@ -90,7 +88,8 @@ def spread_of(values: Array, quantity: Quantity) -> Spread:
     low, high = float(known.min()), float(known.max())
     best, worst = (low, high) if quantity.worst_is_largest else (high, low)
     # The middle value itself: averaging the two middle ones fails where they are infinite.
-    median = float(np.sort(known)[(known.size - 1) // 2])
+    middle = (known.size - 1) // 2
+    median = float(np.partition(known, middle)[middle])
     return Spread(best, median, worst)
 
 
@@ -166,12 +165,6 @@ def _status_sentences(status: NDArray[np.int8]) -> list[str]:
     return sentences
 
 
-def _ratio(dataset: xr.Dataset, quantity: Quantity, load: str | None) -> Array:
-    if set(models_of(dataset)) != {"refined", "simplified"}:
-        return np.empty(0)
-    return ratio_of(dataset, quantity, load)
-
-
-def _median(values: Array) -> float:
-    finite = values[np.isfinite(values)]
+def _median(values: Array | None) -> float:
+    finite = values[np.isfinite(values)] if values is not None else np.empty(0)
     return float(np.median(finite)) if finite.size else float("nan")

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from decimal import Decimal
 from enum import Enum
 from typing import Any
+
+from stiffkit.reproduce.printed import deviation, units_above
 
 
 class Verdict(Enum):
@@ -38,15 +39,13 @@ class Entry:
         """Whether ours, rounded to the printed digits, is the printed number."""
         if self.is_bound:
             return Verdict.BELOW if self.ours <= float(self.printed) else Verdict.DIFFERS
-        digit = Decimal(self.printed).as_tuple().exponent
-        unit = 10.0 ** int(digit)
-        agrees = abs(self.ours - float(self.printed)) <= 0.5 * unit * (1.0 + 1e-9)
+        agrees = abs(units_above(self.printed, self.ours)) <= 0.5 * (1.0 + 1e-9)
         return Verdict.AGREES if agrees else Verdict.DIFFERS
 
     @property
     def deviation(self) -> float:
         """Ours from the printed number, relative to it."""
-        return self.ours / float(self.printed) - 1.0
+        return deviation(self.printed, self.ours)
 
     def as_json(self) -> dict[str, Any]:
         """Return plain data for JSON."""

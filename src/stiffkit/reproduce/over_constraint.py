@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from stiffkit.robot import DIRECTIONS, Freedom, Joint, Robot
+from stiffkit.robot import Joint, Robot, with_freedoms
 from stiffkit.spatial.rotation import Array
 from stiffkit.study import Analysis, analyse_pose
 
@@ -96,11 +96,5 @@ def _softening(robot: Robot, free: Robot, at: dict[str, float]) -> Softening:
 def _released(name: str, joint: Joint) -> Joint:
     for prefix, (kind, axes) in RELEASES.items():
         if name.startswith(prefix):
-            changed = replace(joint, kind=kind, axes=axes)
-            moves = [direction in changed.motions for direction in DIRECTIONS]
-            return replace(
-                changed,
-                freedoms=tuple(Freedom.PASSIVE if move else Freedom.BLOCKED for move in moves),
-                stiffness=np.where(moves, 0.0, np.inf),
-            )
+            return with_freedoms(replace(joint, kind=kind, axes=axes), drives={}, springs={})
     return joint

@@ -15,13 +15,13 @@ import numpy as np
 
 from stiffkit.fea import is_installed
 from stiffkit.identify import Estimator, Field, fit, precision
+from stiffkit.progress import Progress
 from stiffkit.reproduce.cantilever_entries import cantilever_entries
 from stiffkit.reproduce.entries import Entry
 from stiffkit.reproduce.pashkevich_2009_cantilever import (
     MESHINGS,
     USUAL,
     Cantilever,
-    Progress,
     study_cantilever,
 )
 from stiffkit.reproduce.pashkevich_2009_orthoglide import Orthoglide, study_orthoglide

@@ -9,8 +9,8 @@ ten elements that are not zero, against the theory of beams (equation 22 with L/
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +32,8 @@ from stiffkit.fea.fields import CASES, face_nodes, node_field
 from stiffkit.fea.memory import free_bytes
 from stiffkit.fea.square_bar import square_bar
 from stiffkit.identify import Field, Identified, Options, ResidualFields, identify, residual_fields
-from stiffkit.link import Material, rectangle
+from stiffkit.link import Material, beam_compliance, rectangle
+from stiffkit.progress import Progress, no_progress
 from stiffkit.spatial.rotation import Array
 
 LENGTH, WIDTH = 1.0, 0.01
@@ -47,8 +48,6 @@ NEIGHBOURHOOD = WIDTH
 """m, length of the cubic field of section 4.4."""
 
 _TIP = 1
-
-Progress = Callable[[str, float], None]
 
 
 @dataclass(frozen=True)
@@ -132,21 +131,8 @@ class Cantilever:
 
 def theory() -> Array:
     """Return the compliance (6, 6), SI, of equation 22 without its misprint."""
-    section = rectangle(WIDTH, WIDTH)
-    bend = LENGTH / (STEEL.E * section.Iy)
-    k = np.diag(
-        [
-            LENGTH / (STEEL.E * section.area),
-            bend * LENGTH**2 / 3.0,
-            bend * LENGTH**2 / 3.0,
-            LENGTH / (STEEL.G * section.torsion),
-            bend,
-            bend,
-        ]
-    )
-    k[1, 5] = k[5, 1] = bend * LENGTH / 2.0
-    k[2, 4] = k[4, 2] = -bend * LENGTH / 2.0
-    return k
+    slender = replace(rectangle(WIDTH, WIDTH), shear_y=None, shear_z=None)
+    return beam_compliance(LENGTH, slender, STEEL)
 
 
 def largest_error(k: Array, wanted: Array) -> tuple[float, str]:
@@ -165,7 +151,7 @@ def study_cantilever(
     Meshes for which memory does not suffice are left out. Raises `CadError` where one cannot be
     made or solved, or NGSolve is not there.
     """
-    report = progress or (lambda _what, _share: None)
+    report = progress or no_progress
     bar = square_bar(LENGTH, WIDTH)
     ends = _ends(bar)
     levels: list[Level] = []

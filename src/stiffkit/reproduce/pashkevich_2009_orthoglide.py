@@ -7,20 +7,19 @@ Table 8 is garbled: its columns are k_tran in 1e-4 mm/N and k_rot in 1e-7 rad/(N
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from stiffkit.fea import is_installed
+from stiffkit.progress import Progress
 from stiffkit.reproduce.over_constraint import OverConstraint, study_over_constraint
 from stiffkit.reproduce.rows import PrintedRow
 from stiffkit.robot import Robot, load_robot
 from stiffkit.spatial.rotation import Array
 from stiffkit.study import analyse_pose
-
-Progress = Callable[[str, float], None]
 
 SI_PER_MM = np.array([1e-3] * 3 + [1e3] * 3)
 """mm/N to m/N, and rad/(N mm) to rad/(N m)."""

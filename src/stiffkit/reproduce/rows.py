@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from decimal import Decimal
 from enum import Enum
 from typing import Any
+
+from stiffkit.reproduce.printed import deviation, units_above
 
 
 class Standing(Enum):
@@ -47,7 +48,7 @@ class PrintedRow:
             return Standing.OTHER
         pairs = zip(self.printed, self.ours, strict=True)
         # Rounded, or cut off, as some of the printed numbers are.
-        follows = all(-0.5 <= _units(text, x) < 1.0 for text, x in pairs)
+        follows = all(-0.5 <= units_above(text, x) < 1.0 for text, x in pairs)
         return Standing.FOLLOWS if follows else Standing.DIFFERS
 
     @property
@@ -56,7 +57,7 @@ class PrintedRow:
         if self.ours is None:
             return None
         pairs = zip(self.printed, self.ours, strict=True)
-        return max((abs(x / float(text) - 1.0) for text, x in pairs), default=None)
+        return max((abs(deviation(text, x)) for text, x in pairs), default=None)
 
     def as_json(self) -> dict[str, Any]:
         """Return plain data for JSON."""
@@ -73,9 +74,3 @@ class PrintedRow:
             "assumed": self.assumed or None,
             "why": self.why or None,
         }
-
-
-def _units(printed: str, ours: float) -> float:
-    """Return how many units of the last printed digit ours is above the printed number."""
-    digit = 10.0 ** int(Decimal(printed).as_tuple().exponent)
-    return (ours - float(printed)) / digit

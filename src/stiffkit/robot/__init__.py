@@ -1,7 +1,8 @@
 """What a robot is, and how a robot file becomes one."""
 
 from stiffkit.robot.catalogue import CatalogueRobot, describe_robots, list_robots
-from stiffkit.robot.loader import load_robot
+from stiffkit.robot.joints import with_freedoms
+from stiffkit.robot.loader import RobotFile, load_robot
 from stiffkit.robot.model import (
     BASE,
     DIRECTIONS,
@@ -28,10 +29,12 @@ __all__ = [
     "Load",
     "Parameter",
     "Robot",
+    "RobotFile",
     "Tool",
     "Workspace",
     "describe_robots",
     "list_robots",
     "load_robot",
+    "with_freedoms",
     "with_place",
 ]

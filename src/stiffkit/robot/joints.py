@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from stiffkit.files.entry import Entry
 from stiffkit.files.frames import read_frame
 from stiffkit.files.problems import Problems
+from stiffkit.robot.memo import PartMemo
 from stiffkit.robot.model import BASE, DIRECTIONS, Freedom, Joint, Link
 from stiffkit.robot.ports import read_port
 from stiffkit.units import STIFFNESS_ROTATION, STIFFNESS_TRANSLATION
@@ -19,11 +21,14 @@ KINDS = ("fixed", "revolute", "prismatic", "cylindrical", "universal", "spherica
 RIGID = "rigid"
 
 
-def read_joints(entries: Mapping[str, Entry], links: Mapping[str, Link]) -> dict[str, Joint]:
-    """Return the joints by name.
+def read_joints(
+    entries: Mapping[str, Entry], links: Mapping[str, Link], memo: PartMemo | None = None
+) -> dict[str, Joint]:
+    """Return the joints by name; ``memo`` knows joints read before.
 
     Raises FileError where one of them cannot exist.
     """
+    memo = memo or PartMemo()
     joints: dict[str, Joint] = {}
     problems = Problems()
     for name, entry in entries.items():
@@ -32,7 +37,13 @@ def read_joints(entries: Mapping[str, Entry], links: Mapping[str, Link]) -> dict
                 raise entry.error(
                     f"'{name}' is the name of a tool coordinate", "choose another name"
                 )
-            joints[name] = _read_joint(name, entry, links)
+            bodies = (entry[end].text().partition(".")[0] for end in ("from", "to"))
+            joints[name] = memo.get(
+                f"joints.{name}",
+                [entry],
+                partial(_read_joint, name, entry, links),
+                *(links.get(body) for body in bodies),
+            )
     problems.check()
     return joints
 
@@ -63,7 +74,7 @@ def _read_joint(name: str, entry: Entry, links: Mapping[str, Link]) -> Joint:
             f"direction {direction} has a drive already",
             "give the drive's stiffness by 'drive' alone",
         )
-    return _with_freedoms(joint, drives, springs)
+    return with_freedoms(joint, drives, springs)
 
 
 def _kind(entry: Entry) -> str:
@@ -124,10 +135,12 @@ def _stiffness(entry: Entry, direction: str) -> float:
     return entry.positive(STIFFNESS_ROTATION if is_rotation else STIFFNESS_TRANSLATION)
 
 
-def _with_freedoms(
-    joint: Joint, drives: Mapping[str, float], springs: Mapping[str, float]
-) -> Joint:
-    """Return the joint with what each of its six directions does."""
+def with_freedoms(joint: Joint, drives: Mapping[str, float], springs: Mapping[str, float]) -> Joint:
+    """Return the joint with what each of its six directions does, by its kind and axes.
+
+    ``drives`` and ``springs`` give stiffnesses (N/m, N m/rad; inf if rigid) by direction; a motion
+    of the joint that has neither is passive, any other direction is blocked.
+    """
     states = dict.fromkeys(DIRECTIONS, (Freedom.BLOCKED, math.inf))
     states |= dict.fromkeys(joint.motions, (Freedom.PASSIVE, 0.0))
     states |= {direction: (Freedom.ELASTIC, value) for direction, value in springs.items()}

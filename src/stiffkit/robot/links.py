@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
@@ -20,6 +20,8 @@ from stiffkit.link.line import beam_line
 from stiffkit.link.materials import Material
 from stiffkit.link.ports import TIP, read_ports
 from stiffkit.link.written import read_material, read_section
+from stiffkit.progress import Progress
+from stiffkit.robot.memo import PartMemo
 from stiffkit.robot.model import BASE, Array, Link
 from stiffkit.spatial import Frame
 from stiffkit.units import LENGTH, MASS
@@ -30,27 +32,28 @@ Fields = dict[str, Entry]
 """What a link says, its own keys and those copied from others."""
 
 
-Progress = Callable[[str, float], None]
-"""Is told what is being done, and the share that is done."""
-
-
 def read_links(
     entries: Mapping[str, Entry],
     materials: Mapping[str, Material],
     progress: Progress | None = None,
+    memo: PartMemo | None = None,
 ) -> tuple[dict[str, Link], list[str]]:
     """Return the links by name, and notes on repairs and doubts.
 
-    ``progress`` is called while parts from CAD are solved. Raises FileError where one of them
-    cannot exist.
+    ``progress`` is called while parts from CAD are solved; ``memo`` knows links read before. Raises
+    FileError where one of them cannot exist.
     """
+    memo = memo or PartMemo()
     fields = _with_copies(entries)
     links: dict[str, Link] = {}
     notes: list[str] = []
     problems = Problems()
     for name, entry in entries.items():
         with problems.collect():
-            links[name], found = _LinkReader(name, entry, fields[name], materials, progress).read()
+            reader = _LinkReader(name, entry, fields[name], materials, progress)
+            links[name], found = memo.get(
+                f"links.{name}", fields[name].values(), reader.read, *materials.values()
+            )
             notes.extend(f"links.{name}: {note}" for note in found)
     problems.check()
     return links, notes

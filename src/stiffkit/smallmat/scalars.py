@@ -75,6 +75,18 @@ def sqrt(x: Scalar) -> Scalar:
     return _apply("sqrt", x)
 
 
+def arccos(x: Scalar) -> Scalar:
+    """Return the angle in [0, pi] of a cosine, which must lie in [-1, 1]."""
+    if isinstance(x, np.ndarray):
+        return np.arccos(x)
+    return _apply("acos", x)
+
+
+def magnitude(x: Scalar) -> Scalar:
+    """Return the absolute value."""
+    return where_less(x, 0.0, -x, x)
+
+
 def where_less(a: Scalar, b: Scalar, then: Scalar, otherwise: Scalar) -> Scalar:
     """Return ``then`` where ``a < b`` and ``otherwise`` elsewhere; both are evaluated."""
     if _is_expression(a) or _is_expression(b):

@@ -15,9 +15,12 @@ from stiffkit.stiffness.indices import (
     translational_stiffness,
 )
 from stiffkit.stiffness.model import Compliances, Stiffness
+from stiffkit.stiffness.readings import DEFLECTIONS, STIFFNESSES, readings
 from stiffkit.stiffness.simplified import SimplifiedModel
 
 __all__ = [
+    "DEFLECTIONS",
+    "STIFFNESSES",
     "AssembledCompliance",
     "Assembly",
     "Compliances",
@@ -33,6 +36,7 @@ __all__ = [
     "full_matrices",
     "lower_triangles",
     "principal_axes",
+    "readings",
     "rotational_stiffness",
     "translational_stiffness",
 ]

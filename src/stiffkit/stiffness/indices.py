@@ -5,10 +5,13 @@ Translation and rotation are never mixed: each index is of one 3x3 block, in its
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from stiffkit.smallmat import Scalar, Vector, arccos, cos, reciprocal, sqrt, where_less
 
 Array = NDArray[np.float64]
 
@@ -30,8 +33,13 @@ def lower_triangles(full: Array) -> Array:
 
 def entry(lower: Array, i: int, j: int) -> Array:
     """Return entry (i, j) of matrices given by their lower triangles (21, N)."""
+    return np.asarray(lower[_place(i, j)])
+
+
+def _place(i: int, j: int) -> int:
+    """Return where entry (i, j) stands in a lower triangle."""
     i, j = max(i, j), min(i, j)
-    return np.asarray(lower[i * (i + 1) // 2 + j])
+    return i * (i + 1) // 2 + j
 
 
 def deflection(lower: Array, wrench: Array) -> Array:
@@ -54,6 +62,45 @@ class Extremes:
     """(N,), one over the smallest; infinite where a direction does not yield at all."""
 
 
+def extreme_stiffnesses(lower: Vector | Array, first: int) -> tuple[Scalar, Scalar]:
+    """Return the stiffness along the weakest and the strongest direction of a diagonal block.
+
+    ``lower`` (21) holds scalars of a kernel, or is an array (21, N). ``first`` is the block's first
+    row, 0 for translation and 3 for rotation.
+    """
+    smallest, largest = _extreme_eigenvalues(
+        *(lower[_place(first + i, first + j)] for i, j in _SIX)
+    )
+    # Rounding leaves some 1e-16 of the largest where a direction does not yield.
+    strongest = where_less(smallest, 1e-12 * largest, math.inf, reciprocal(smallest))
+    return reciprocal(largest), strongest
+
+
+_SIX = ((0, 0), (1, 1), (2, 2), (1, 0), (2, 0), (2, 1))
+
+
+def _extreme_eigenvalues(
+    a: Scalar, b: Scalar, c: Scalar, d: Scalar, e: Scalar, f: Scalar
+) -> tuple[Scalar, Scalar]:
+    """Return the smallest and largest eigenvalue of [[a, d, e], [d, b, f], [e, f, c]].
+
+    The trigonometric closed form (O. K. Smith, Communications of the ACM 4(4), 1961), many times
+    faster on a batch than LAPACK; it is good to rounding of the largest eigenvalue.
+    """
+    mean = (a + b + c) / 3.0
+    a, b, c = a - mean, b - mean, c - mean
+    spread = sqrt((a * a + b * b + c * c + 2.0 * (d * d + e * e + f * f)) / 6.0)
+    determinant = a * (b * c - f * f) - d * (d * c - f * e) + e * (d * f - b * e)
+    # In shares of the spread, as its cube may be smaller than any number.
+    unit = reciprocal(spread)
+    ratio = where_less(0.0, spread, 0.5 * (determinant * unit) * unit * unit, 1.0)
+    ratio = where_less(ratio, -1.0, -1.0, where_less(1.0, ratio, 1.0, ratio))
+    angle = arccos(ratio) / 3.0
+    largest = mean + 2.0 * spread * cos(angle)
+    smallest = mean + 2.0 * spread * cos(angle + 2.0 * math.pi / 3.0)
+    return smallest, largest
+
+
 def translational_stiffness(lower: Array) -> Extremes:
     """Return force over deflection along it, N/m, of a pure force in the extreme directions."""
     return _extremes(lower, 0)
@@ -65,37 +112,9 @@ def rotational_stiffness(lower: Array) -> Extremes:
 
 
 def _extremes(lower: Array, first: int) -> Extremes:
-    block = [entry(lower, first + i, first + j) for i, j in _SIX]
-    smallest, largest = _extreme_eigenvalues(*block)
-    with np.errstate(divide="ignore"):
-        # Rounding leaves some 1e-16 of the largest where a direction does not yield.
-        yields = smallest > 1e-12 * largest
-        strongest = np.where(yields, 1.0 / np.where(yields, smallest, 1.0), np.inf)
-        strongest = np.where(np.isnan(largest), np.nan, strongest)
-        return Extremes(1.0 / largest, strongest)
-
-
-_SIX = ((0, 0), (1, 1), (2, 2), (1, 0), (2, 0), (2, 1))
-
-
-def _extreme_eigenvalues(
-    a: Array, b: Array, c: Array, d: Array, e: Array, f: Array
-) -> tuple[Array, Array]:
-    """Return the smallest and largest eigenvalue of [[a, d, e], [d, b, f], [e, f, c]].
-
-    The trigonometric closed form (O. K. Smith, Communications of the ACM 4(4), 1961), many times
-    faster on a batch than LAPACK; it is good to rounding of the largest eigenvalue.
-    """
-    mean = (a + b + c) / 3.0
-    a, b, c = a - mean, b - mean, c - mean
-    spread = np.sqrt((a * a + b * b + c * c + 2.0 * (d * d + e * e + f * f)) / 6.0)
-    determinant = a * (b * c - f * f) - d * (d * c - f * e) + e * (d * f - b * e)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        ratio = np.where(spread > 0.0, determinant / (2.0 * spread**3), 1.0)
-    angle = np.arccos(np.clip(ratio, -1.0, 1.0)) / 3.0
-    largest = mean + 2.0 * spread * np.cos(angle)
-    smallest = mean + 2.0 * spread * np.cos(angle + 2.0 * np.pi / 3.0)
-    return smallest, largest
+    with np.errstate(all="ignore"):
+        weakest, strongest = extreme_stiffnesses(lower, first)
+    return Extremes(np.asarray(weakest), np.asarray(strongest))
 
 
 @dataclass(frozen=True, eq=False)

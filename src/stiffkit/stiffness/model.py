@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
@@ -106,16 +107,31 @@ class Stiffness:
 
     def at(self, postures: Postures) -> Compliances:
         """Return the compliances at postures."""
+        return self.ready_for(len(postures))(postures)
+
+    def ready_for(self, n: int) -> Callable[[Postures], Compliances]:
+        """Return `at` for about ``n`` postures, given in any number of parts.
+
+        By composition and Jacobian several threads may compute them.
+        """
         if self._function is None:
-            return self._assembled(postures)
-        out = self._function(postures.coordinates)
+            return self._assembled
+        evaluate = self._function.ready_for(n)
+        # Found out here, by one thread, what all the others will say of singular postures.
+        otherwise = Status.UNCONTROLLED if self.uncontrolled else Status.SINGULAR
+        return lambda postures: self._evaluated(evaluate, otherwise, postures)
+
+    def _evaluated(
+        self, evaluate: Callable[[Array], Array], otherwise: Status, postures: Postures
+    ) -> Compliances:
+        out = evaluate(postures.coordinates)
         lower, measure = out[:21], out[21]
         if self.method == "composition":
             singular = ~(measure > ZERO_SHARE)
         else:
             singular = ~(measure < 1.0 / ZERO_SHARE)
         singular |= ~np.isfinite(lower).all(axis=0)
-        return self._with_status(lower, singular, postures)
+        return _with_status(lower, singular, otherwise, postures)
 
     def _assembled(self, postures: Postures) -> Compliances:
         lower = np.full((21, len(postures)), np.nan)
@@ -124,14 +140,19 @@ class Stiffness:
         for n, assembled in zip(reached, found, strict=True):
             if assembled.compliance is not None:
                 lower[:, n] = lower_triangles(assembled.compliance)
-        return self._with_status(lower, ~np.isfinite(lower[0]), postures)
+        singular = ~np.isfinite(lower[0])
+        found_some = singular[reached].any()
+        otherwise = Status.UNCONTROLLED if found_some and self.uncontrolled else Status.SINGULAR
+        return _with_status(lower, singular, otherwise, postures)
 
-    def _with_status(
-        self, lower: Array, singular: NDArray[np.bool_], postures: Postures
-    ) -> Compliances:
-        status = np.zeros(len(postures), dtype=np.int8)
-        if singular[postures.reached].any():
-            status[singular] = Status.UNCONTROLLED if self.uncontrolled else Status.SINGULAR
-        status[~postures.reached] = Status.UNREACHABLE
+
+def _with_status(
+    lower: Array, singular: NDArray[np.bool_], otherwise: Status, postures: Postures
+) -> Compliances:
+    """Return compliances (21, N) with the status that tells where there are none, and why."""
+    status = np.zeros(len(postures), dtype=np.int8)
+    status[singular] = otherwise
+    status[~postures.reached] = Status.UNREACHABLE
+    if status.any():
         lower[:, status != Status.OK] = np.nan
-        return Compliances(lower, status)
+    return Compliances(lower, status)

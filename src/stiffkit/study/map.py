@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
@@ -12,35 +11,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiffkit import __version__
+from stiffkit.compiled import limited_threads
 from stiffkit.errors import PoseError
 from stiffkit.kinematics import Postures, Status
-from stiffkit.robot import DIRECTIONS, Load, Robot, with_place
-from stiffkit.stiffness import (
-    Compliances,
-    Model,
-    deflection,
-    entry,
-    lower_triangles,
-    rotational_stiffness,
-    translational_stiffness,
-)
+from stiffkit.progress import Progress, no_progress
+from stiffkit.robot import DIRECTIONS, Robot, with_place
+from stiffkit.stiffness import Model, lower_triangles
 from stiffkit.study.analysis import Analysis
 from stiffkit.study.frequencies import MOST_POSTURES, N_MODES, has_mass, map_frequencies
 from stiffkit.study.grid import PoseGrid, pose_grid
+from stiffkit.study.quantities import QUANTITIES
+from stiffkit.study.values import MapValues, reader
 
 if TYPE_CHECKING:
     import xarray as xr
 
 Array = NDArray[np.float64]
-Progress = Callable[[str, float], None]
-"""Called with what is being done and the share that is done, 0 to 1."""
-
 MODELS: tuple[Model, ...] = ("refined", "simplified")
-
-_BLOCK = 1 << 13
-"""Postures at a time: what is computed of them then stays in the cache."""
-_SLOW_BLOCK = 1 << 8
-"""Postures at a time where each takes a millisecond, so that progress shows."""
 
 
 def map_workspace(
@@ -49,6 +36,7 @@ def map_workspace(
     points: int | None = None,
     models: Sequence[Model] = MODELS,
     frequencies: bool | None = None,
+    threads: int | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Return the stiffness map of a robot's workspace.
@@ -56,30 +44,33 @@ def map_workspace(
     The sweep dimensions are the workspace's tool coordinates, or "point" for a list of points; all
     values are SI, each variable has the attributes ``units`` and ``long_name``. Natural
     ``frequencies`` are among them if the robot has mass and the map is not too large for it (see
-    `stiffkit.study.frequencies.MOST_POSTURES`), unless asked for or refused. Raises PoseError
-    if the workspace is over coordinates in which the tool cannot move independently.
+    `stiffkit.study.frequencies.MOST_POSTURES`), unless asked for or refused. The
+    numbers do not depend on the number of ``threads``, which is `stiffkit.compiled.thread_count`
+    if not given. Raises PoseError if the workspace is over coordinates in which the tool cannot
+    move independently.
     """
-    report = progress or (lambda _what, _share: None)
+    with limited_threads(threads):
+        return _map(robot, points, models, frequencies, progress or no_progress)
+
+
+def _map(
+    robot: Robot | Analysis,
+    points: int | None,
+    models: Sequence[Model],
+    frequencies: bool | None,
+    report: Progress,
+) -> xr.Dataset:
     analysis = robot if isinstance(robot, Analysis) else Analysis(robot)
     grid = pose_grid(analysis.robot, points)
     report("closing loops", 0.0)
     postures = postures_of(analysis, grid)
-    loads = list(analysis.robot.loads.values())
-    quantities = _Quantities.empty(len(models), len(loads), len(postures))
-    for m, name in enumerate(models):
-        stiffness = analysis.model(name)
-        size = _SLOW_BLOCK if stiffness.method == "assembly" else _BLOCK
-        for start in range(0, len(postures), size):
-            report(f"{name} model", (m + start / len(postures)) / len(models))
-            block = slice(start, start + size)
-            found = stiffness.at(postures.part(block))
-            quantities.fill(m, block, found, loads)
-    quantities.status[:, ~grid.inside] = Status.OUTSIDE
-    dataset = _dataset(analysis, grid, postures, quantities, models)
+    values = _values(analysis, postures, models, report)
+    values.status[:, ~grid.inside] = Status.OUTSIDE
+    dataset = _dataset(analysis, grid, postures, values, models)
     wanted = len(postures) <= MOST_POSTURES if frequencies is None else frequencies
     if wanted and has_mass(analysis):
         report("natural frequencies", 0.9)
-        _add_frequencies(dataset, analysis, grid, postures, quantities, models)
+        _add_frequencies(dataset, analysis, grid, postures, values, models)
     report("done", 1.0)
     return dataset
 
@@ -108,67 +99,27 @@ def postures_of(analysis: Analysis, grid: PoseGrid) -> Postures:
     return kinematics.solve(asked, wanted=grid.inside)
 
 
-_QUANTITIES = {
-    "deflection_translation": ("m", "deflection of the tool point"),
-    "deflection_xy": ("m", "deflection of the tool point in the x-y plane"),
-    "deflection_z": ("m", "deflection of the tool point along z"),
-    "deflection_rotation": ("rad", "rotation of the tool"),
-    "stiffness_translation_min": ("N/m", "translational stiffness, weakest direction"),
-    "stiffness_translation_max": ("N/m", "translational stiffness, strongest direction"),
-    "stiffness_rotation_min": ("N m/rad", "rotational stiffness, weakest direction"),
-    "stiffness_rotation_max": ("N m/rad", "rotational stiffness, strongest direction"),
-}
+def _values(
+    analysis: Analysis, postures: Postures, models: Sequence[Model], report: Progress
+) -> MapValues:
+    n, loads = len(postures), list(analysis.robot.loads.values())
+    values = MapValues.empty(len(models), len(loads), n)
+    wrenches = np.array([load.wrench for load in loads]).reshape(-1, 6)
+    read = reader(wrenches, n * len(models), analysis.kinematics.backend)
+    for m, name in enumerate(models):
 
+        def done(count: int, what: str = f"{name} model", before: int = m) -> None:
+            report(what, (before + count / n) / len(models))
 
-@dataclass(frozen=True, eq=False)
-class _Quantities:
-    """The arrays of a map, filled block by block; NaN where the status is not OK."""
-
-    status: NDArray[np.int8]
-    compliance: Array
-    deflection: Array
-    scalars: dict[str, Array]
-    """The quantities of `_QUANTITIES`."""
-
-    @staticmethod
-    def empty(n_models: int, n_loads: int, n: int) -> _Quantities:
-        def shape(name: str) -> tuple[int, ...]:
-            return (n_models, n_loads, n) if name.startswith("deflection") else (n_models, n)
-
-        return _Quantities(
-            np.zeros((n_models, n), dtype=np.int8),
-            np.empty((n_models, 6, 6, n)),
-            np.empty((n_models, n_loads, 6, n)),
-            {name: np.empty(shape(name)) for name in _QUANTITIES},
-        )
-
-    def fill(self, m: int, block: slice, found: Compliances, loads: Sequence[Load]) -> None:
-        self.status[m, block] = found.status
-        for i in range(6):
-            for j in range(6):
-                self.compliance[m, i, j, block] = entry(found.lower, i, j)
-        for i, load in enumerate(loads):
-            d = deflection(found.lower, load.wrench)
-            self.deflection[m, i, :, block] = d
-            in_plane = d[0] * d[0] + d[1] * d[1]
-            turned = d[3] * d[3] + d[4] * d[4] + d[5] * d[5]
-            self.scalars["deflection_translation"][m, i, block] = np.sqrt(in_plane + d[2] * d[2])
-            self.scalars["deflection_xy"][m, i, block] = np.sqrt(in_plane)
-            self.scalars["deflection_z"][m, i, block] = np.abs(d[2])
-            self.scalars["deflection_rotation"][m, i, block] = np.sqrt(turned)
-        for kind, extremes in (
-            ("translation", translational_stiffness(found.lower)),
-            ("rotation", rotational_stiffness(found.lower)),
-        ):
-            self.scalars[f"stiffness_{kind}_min"][m, block] = extremes.weakest
-            self.scalars[f"stiffness_{kind}_max"][m, block] = extremes.strongest
+        values.fill(m, analysis.model(name), postures, read, done)
+    return values
 
 
 def _dataset(
     analysis: Analysis,
     grid: PoseGrid,
     postures: Postures,
-    quantities: _Quantities,
+    values: MapValues,
     models: Sequence[Model],
 ) -> xr.Dataset:
     import xarray as xr  # slow to import, and not needed for a single pose
@@ -176,9 +127,9 @@ def _dataset(
     robot, sweep = analysis.robot, grid.dims
 
     def variable(
-        dims: tuple[str, ...], values: NDArray[Any], units: str, long_name: str, **more: Any
+        dims: tuple[str, ...], array: NDArray[Any], units: str, long_name: str, **more: Any
     ) -> xr.Variable:
-        shaped = values.reshape(*values.shape[:-1], *grid.shape)
+        shaped = array.reshape(*array.shape[:-1], *grid.shape)
         return xr.Variable((*dims, *sweep), shaped, {"units": units, "long_name": long_name} | more)
 
     flags = {
@@ -186,22 +137,23 @@ def _dataset(
         "flag_meanings": " ".join(s.word for s in Status),
     }
     data = {
-        "status": variable(("model",), quantities.status, "1", "status of the posture", **flags),
+        "status": variable(("model",), values.status, "1", "status of the posture", **flags),
         "tool": variable(("direction",), postures.tool, "m, rad", "tool pose"),
         "joint": variable(("joint_coordinate",), postures.joints, "m, rad", "joint coordinate"),
         "compliance": variable(
             ("model", "direction", "direction_load"),
-            quantities.compliance,
+            values.compliance,
             "m/N, 1/N, rad/(N m)",
             "compliance at the tool point, world axes",
         ),
         "deflection": variable(
-            ("model", "load", "direction"), quantities.deflection, "m, rad", "deflection"
+            ("model", "load", "direction"), values.deflection, "m, rad", "deflection"
         ),
     }
-    for name, values in quantities.scalars.items():
-        dims = ("model", "load") if name.startswith("deflection") else ("model",)
-        data[name] = variable(dims, values, *_QUANTITIES[name])
+    for name, array in values.deflections.items():
+        data[name] = variable(("model", "load"), array, *_about(name))
+    for name, array in values.stiffnesses.items():
+        data[name] = variable(("model",), array, *_about(name))
     coordinates: dict[str, Any] = {
         "model": list(models),
         "load": list(robot.loads),
@@ -209,11 +161,17 @@ def _dataset(
         "direction_load": list(DIRECTIONS),
         "joint_coordinate": analysis.kinematics.joint_names,
     }
-    for name, values in grid.axes.items():
+    for name, places in grid.axes.items():
         unit = "rad" if name.startswith("r") else "m"
         dims = ("point",) if grid.listed else (name,)
-        coordinates[name] = (dims, values, {"units": unit, "long_name": f"tool coordinate {name}"})
+        coordinates[name] = (dims, places, {"units": unit, "long_name": f"tool coordinate {name}"})
     return xr.Dataset(data, coordinates, _attributes(analysis, models))
+
+
+def _about(name: str) -> tuple[str, str]:
+    """Return the units and the long name of a quantity."""
+    quantity = QUANTITIES[name]
+    return quantity.units, quantity.long_name
 
 
 def _add_frequencies(
@@ -221,12 +179,12 @@ def _add_frequencies(
     analysis: Analysis,
     grid: PoseGrid,
     postures: Postures,
-    quantities: _Quantities,
+    values: MapValues,
     models: Sequence[Model],
 ) -> None:
     simplified = [m for m, name in enumerate(models) if name == "simplified"]
-    lower = lower_triangles(quantities.compliance[simplified[0]]) if simplified else np.empty(0)
-    found = map_frequencies(analysis, grid, postures, quantities.status, lower, models)
+    lower = lower_triangles(values.compliance[simplified[0]]) if simplified else np.empty(0)
+    found = map_frequencies(analysis, grid, postures, values.status, lower, models)
 
     def shaped(values: Array) -> Array:
         return values.reshape(*values.shape[:-1], *grid.shape)

@@ -6,6 +6,7 @@ import math
 import re
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import lru_cache
 
 from stiffkit.errors import UnitError
 from stiffkit.units.dimensions import Dimension, Exponents, describe, si_unit
@@ -52,6 +53,7 @@ def parse_quantity(given: str | float | Value) -> Value:
     return Value(number, None, text=f"{given:.12g}")
 
 
+@lru_cache(maxsize=4096)
 def _parse_text(given: str) -> Value:
     text = given.strip().replace("\N{MINUS SIGN}", "-")
     match = _QUANTITY.fullmatch(text)

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import block_array, csr_array
 
-from stiffkit.errors import CadError
 from stiffkit.fea import Port
 from stiffkit.fea.discretisation import Discretisation
+from stiffkit.fea.rigid import check_apart
 from stiffkit.link.superelement import rigid_mass
 from stiffkit.robot import Link
 from stiffkit.spatial import twist_shift
@@ -77,7 +77,7 @@ def rigid_body(link: Link) -> Body:
 def meshed_body(mesh: Discretisation, ports: Sequence[Port]) -> Body:
     """Return a meshed part, in part axes. Raises `CadError` if rigid ports touch each other."""
     on_port = {port.name: mesh.on_faces(port.faces) for port in ports if port.is_rigid}
-    _check_apart(on_port)
+    check_apart(on_port)
     carried = np.logical_or.reduce([np.zeros(3 * mesh.n_nodes, dtype=bool), *on_port.values()])
     free = np.flatnonzero(~carried)
     rigid = [port for port in ports if port.is_rigid]
@@ -97,17 +97,6 @@ def meshed_body(mesh: Discretisation, ports: Sequence[Port]) -> Body:
         weak=_weak(mesh, free, len(rigid), size),
         rigidity=float(np.median(diagonal)),
     )
-
-
-def _check_apart(on_port: Mapping[str, NDArray[np.bool_]]) -> None:
-    names = list(on_port)
-    for i, a in enumerate(names):
-        for b in names[:i]:
-            if (on_port[a] & on_port[b]).any():
-                raise CadError(
-                    f"interfaces {b} and {a} are rigid and touch each other",
-                    mend="make one of them average, or choose faces that lie apart",
-                )
 
 
 def _carried(K: csr_array, free: NDArray[np.intp], carry: csr_array) -> csr_array:

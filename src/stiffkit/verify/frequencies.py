@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.linalg import eigh
-from scipy.sparse.linalg import LinearOperator, eigsh
 
+from stiffkit.fea.lanczos import lowest_modes
 from stiffkit.spatial.rotation import Array
 from stiffkit.verify.whole import Whole
 
@@ -23,36 +23,33 @@ def lowest_frequencies(whole: Whole, n: int) -> Array:
     frequency zero and left out: every shape is orthogonal to them by the mass, so that it has no
     momentum along them. Raises `CadError` if the equations cannot be solved.
     """
-    free = _of_unit_mass(whole, whole.free_motions())
-    momentum = np.column_stack(
-        [whole.apply_mass(z) for z in free.T] or [np.zeros((free.shape[0], 0))]
-    )
+    free, momentum = _of_unit_mass(whole)
 
     def response(load: Array) -> Array:
         x = whole.solve(load - momentum @ (free.T @ load), _ERROR)
         return np.asarray(x - free @ (momentum.T @ x))
 
-    size = (whole.n_coordinates, whole.n_coordinates)
-    start = response(whole.apply_mass(np.random.default_rng(0).standard_normal(size[0])))
-    values = eigsh(
-        LinearOperator(size, matvec=lambda x: x, dtype=float),
-        k=n,
-        M=LinearOperator(size, matvec=whole.apply_mass, dtype=float),
-        sigma=0.0,
-        OPinv=LinearOperator(size, matvec=response, dtype=float),
-        v0=start,
-        ncv=max(2 * n + 1, 12),
-        tol=_ERROR,
-        return_eigenvectors=False,
+    values, _ = lowest_modes(
+        whole.apply_mass,
+        response,
+        whole.n_coordinates,
+        n,
+        n_vectors=max(2 * n + 1, 12),
+        error=_ERROR,
     )
-    return np.asarray(np.sqrt(np.sort(values)) / (2.0 * np.pi))
+    return np.asarray(np.sqrt(values) / (2.0 * np.pi))
 
 
-def _of_unit_mass(whole: Whole, free: Array) -> Array:
-    """Return motions (n, k) that span the massive ones of ``free``, orthonormal by the mass."""
+def _of_unit_mass(whole: Whole) -> tuple[Array, Array]:
+    """Return free motions (n, k), orthonormal by the mass, and their momenta (n, k).
+
+    They span all free motions but those that move no mass.
+    """
+    free = whole.free_motions
     if not free.shape[1]:
-        return free
-    gram = free.T @ np.column_stack([whole.apply_mass(z) for z in free.T])
-    values, vectors = eigh(gram)
+        return free, free
+    momentum = np.column_stack([whole.apply_mass(z) for z in free.T])
+    values, vectors = eigh(free.T @ momentum)
     kept = values > _MASSLESS * values[-1]
-    return np.asarray(free @ (vectors[:, kept] / np.sqrt(values[kept])))
+    unit = vectors[:, kept] / np.sqrt(values[kept])
+    return free @ unit, momentum @ unit

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,15 +9,14 @@ import numpy as np
 from stiffkit.errors import CadError
 from stiffkit.fea import CadLink, MeshSettings, SolveSettings
 from stiffkit.fea.discretisation import node_count
-from stiffkit.fea.same_mesh import MeshedPart, mesh_spec
+from stiffkit.fea.same_mesh import MeshedPart, mesh_spec, meshed_part
 from stiffkit.fea.solved import Solved
 from stiffkit.link import Superelement
+from stiffkit.progress import Progress
 from stiffkit.robot import Robot
 
 MOST_UNKNOWNS = 700_000
 """That the whole robot may have before orders are lowered; about 8 GB."""
-
-Progress = Callable[[str, float], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,11 +48,7 @@ class Meshed:
     def is_own(self) -> bool:
         """Whether the link was reduced on this very mesh with these orders."""
         solved, mesh = self.link.solved, self.part.mesh
-        same_mesh = (mesh.check.n_tets, mesh.settings.describe()) == (
-            solved.facts["elements"],
-            solved.mesh.describe(),
-        )
-        return same_mesh and _same_orders(self.settings, solved.settings)
+        return mesh is solved.mesh and _same_orders(self.settings, solved.settings)
 
     def reduced(self) -> Superelement:
         """Return the part reduced on this very mesh. Raises FileError where it cannot be."""
@@ -100,8 +94,10 @@ def mesh_parts(robot: Robot, resolution: Resolution, progress: Progress) -> list
     for i, (key, names) in enumerate(alike.items()):
         progress(f"meshing {names[0]}", 0.2 * i / len(alike))
         solved = cads[key].solved
-        wanted = solved.mesh if resolution.size is None else MeshSettings(resolution.size)
-        part = mesh_spec(cads[key].spec, wanted)
+        if resolution.size is None:
+            part = meshed_part(cads[key].spec, solved.mesh)
+        else:
+            part = mesh_spec(cads[key].spec, MeshSettings(resolution.size))
         found.append(Meshed(cads[key], part, _settings(solved, part, resolution), tuple(names)))
     return found if resolution.order else _affordable(found)
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from stiffkit.errors import CadError, PoseError
 from stiffkit.kinematics import Status
+from stiffkit.progress import Progress, no_progress
 from stiffkit.robot import Robot
 from stiffkit.spatial import Frame
 from stiffkit.spatial.rotation import Array
@@ -18,7 +19,7 @@ from stiffkit.study import Analysis, PoseResult, analyse_modes, analyse_pose
 from stiffkit.verify.body import Body, meshed_body, rigid_body
 from stiffkit.verify.fit import Placed, find_gaps, find_overlaps
 from stiffkit.verify.frequencies import lowest_frequencies
-from stiffkit.verify.meshes import Meshed, Progress, Resolution, check_links, mesh_parts
+from stiffkit.verify.meshes import Meshed, Resolution, check_links, mesh_parts
 from stiffkit.verify.places import Places
 from stiffkit.verify.result import Compared, Verification, VerifiedPart, VerifiedPosture
 from stiffkit.verify.whole import Whole
@@ -58,7 +59,7 @@ def verify_postures(
     joint do not meet.
     """
     start = time.perf_counter()
-    report = progress or (lambda _what, _share: None)
+    report = progress or no_progress
     check_links(robot)
     analysis = Analysis(robot, prefer=[name for at in postures for name in at])
     asked = [_asked(analysis, at, only=len(postures) == 1) for at in postures]
@@ -78,7 +79,7 @@ def verify_postures(
             VerifiedPosture(
                 tool=one.pose.tool,
                 reduced=one.compliance,
-                same_meshes=_compliance(analyse_pose(same, one.at), one.where),
+                same_meshes=_same_compliance(analysis, same, one),
                 whole=compliance,
                 frequencies=_frequencies(analysis, same, one.at, frequencies),
                 residual=whole.residual,
@@ -184,15 +185,25 @@ def bodies_of(robot: Robot, parts: list[Meshed], report: Progress) -> dict[str, 
     }
 
 
+def _same_compliance(analysis: Analysis, same: Analysis, asked: _Asked) -> Array:
+    """Return the compliance (6, 6) by links reduced on the meshes of the whole."""
+    if same is analysis:
+        return asked.compliance
+    return _compliance(analyse_pose(same, asked.at), asked.where)
+
+
 def _frequencies(
     analysis: Analysis, same: Analysis, at: Mapping[str, float], whole: Array
 ) -> tuple[Compared, ...]:
     if not whole.size:
         return ()
-    both = [analyse_modes(one, at, whole.size).frequencies_hz for one in (analysis, same)]
+    reduced = analyse_modes(analysis, at, whole.size).frequencies_hz
+    same_meshes = (
+        reduced if same is analysis else analyse_modes(same, at, whole.size).frequencies_hz
+    )
     return tuple(
         Compared(f"mode {i + 1}", *map(float, values))
-        for i, values in enumerate(zip(*both, whole, strict=False))
+        for i, values in enumerate(zip(reduced, same_meshes, whole, strict=False))
     )
 
 

@@ -71,7 +71,9 @@ class Whole:
         self.n_coordinates = int(ends[-1])
         self._ties = self._tie()
         self._tool = self._port_rows(robot.tool.body, robot.tool.port, places.tool.position)
-        self._free = np.linalg.qr(self.free_motions())[0]
+        self.free_motions = self._find_free_motions()
+        """(n, k), coordinates of motions that nothing holds, such as a rod's spin."""
+        self._free = np.linalg.qr(self.free_motions)[0]
         self.residual = 0.0
         """Largest relative residual of any solution so far."""
         self._factor: Factor | None = None
@@ -139,11 +141,8 @@ class Whole:
             out += self.robot.tool.mass * (self._tool[:3].T @ (self._tool[:3] @ x))
         return out
 
-    def free_motions(self) -> Array:
-        """Return the coordinates (n, k) of motions that nothing holds, such as a rod's spin.
-
-        No part deforms in them, so they are found among the motions of rigid bodies.
-        """
+    def _find_free_motions(self) -> Array:
+        """Return the free motions: no part deforms in them, so rigid bodies' motions span them."""
         scale = np.tile(np.repeat([self._reach, 1.0], 3), len(self.bodies))
         rigid = self._all_rigid()
         rows = (self._ties.rows @ rigid) * scale

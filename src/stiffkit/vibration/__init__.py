@@ -10,6 +10,7 @@ from stiffkit.vibration.drawing import (
     draw_modes,
 )
 from stiffkit.vibration.fast import SPARE_MODES, FastModes
+from stiffkit.vibration.geometries import FastGeometries
 from stiffkit.vibration.modes import ModalModel, Modes
 from stiffkit.vibration.own_axes import modes_in_own_axes
 from stiffkit.vibration.simplified import (
@@ -28,6 +29,7 @@ __all__ = [
     "Bodies",
     "Branches",
     "Discretisation",
+    "FastGeometries",
     "FastModes",
     "JointDrawing",
     "LinkDrawing",

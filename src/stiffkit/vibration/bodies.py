@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -60,22 +61,30 @@ class Bodies:
 
 def make_bodies(robot: Robot, how: Discretisation) -> Bodies:
     """Return the masses of a robot. Raises LinkError where a link's mass cannot be distributed."""
-    rigid: dict[str, Array] = {}
-    elastic: dict[str, Superelement] = {}
-    for name, link in robot.links.items():
-        if link.superelement is not None:
-            elastic[name] = link.superelement.lowest(how.n_modes)
-            continue
-        if not link.mass:
-            continue
-        line = link_line(link) if link.compliance is not None else None
-        if line is None:
-            center = np.zeros(3) if link.center_of_mass is None else link.center_of_mass
-            rigid[name] = rigid_mass(link.mass, center, link.inertia)
-        else:
-            # What the link yields at its tip is its own compliance, whatever the line's is.
-            elastic[name] = _superelement(line, how)
-    return Bodies(rigid, elastic, robot.tool.mass or 0.0)
+    found = {name: _body(link, how) for name, link in robot.links.items()}
+    return Bodies(
+        {name: body for name, body in found.items() if isinstance(body, np.ndarray)},
+        {name: body for name, body in found.items() if isinstance(body, Superelement)},
+        robot.tool.mass or 0.0,
+    )
+
+
+@lru_cache(maxsize=1000)
+def _body(link: Link, how: Discretisation) -> Array | Superelement | None:
+    """Return the mass matrix (6, 6) of a rigid link, the superelement of an elastic one.
+
+    Robots that differ in a few parameters have most of their links in common.
+    """
+    if link.superelement is not None:
+        return link.superelement.lowest(how.n_modes)
+    if not link.mass:
+        return None
+    line = link_line(link) if link.compliance is not None else None
+    if line is None:
+        center = np.zeros(3) if link.center_of_mass is None else link.center_of_mass
+        return rigid_mass(link.mass, center, link.inertia)
+    # What the link yields at its tip is its own compliance, whatever the line's is.
+    return _superelement(line, how)
 
 
 def link_line(link: Link) -> Line | None:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiffkit.compiled import Backend, BatchFunction
+from stiffkit.network import elements_of
 from stiffkit.vibration.modes import ModalModel
 from stiffkit.vibration.own_axes import basis_of, modes_in_own_axes
 from stiffkit.vibration.reduced import Basis, ReducedKernel
@@ -70,7 +71,7 @@ class FastModes:
         candidates = samples[:, rng.permutation(samples.shape[1])[:_CANDIDATES]]
         check = candidates[:, :_CHECKED]
         exact = self._solve(check)[1]
-        training = candidates[:, _far_apart(candidates, _ROUNDS * _TRAINING)]
+        training = candidates[:, far_apart(candidates, _ROUNDS * _TRAINING)]
         snapshots = np.zeros((0, 0))
         self.trust = Trust(0, np.inf, 0)
         for start in range(0, training.shape[1], _TRAINING):
@@ -91,8 +92,9 @@ class FastModes:
         U, values, _ = np.linalg.svd(snapshots, full_matrices=False)
         most = min(int(np.sum(values > 1e-9 * values[0])), _LARGEST)
         sizes = range(min(self.n + 4, most), most, 4)
+        elements = elements_of(self.full.coordinates.network, self.full.tree.robot)
         for size in [*sizes, most]:
-            self._use(basis_of(self.full, U[:, :size]))
+            self._use(basis_of(elements, self.full.bodies.mode_stiffness, U[:, :size]))
             errors = np.abs(self.frequencies(q) / exact - 1.0)[np.isfinite(exact)]
             error = float(errors.max()) if np.isfinite(errors).all() and errors.size else np.inf
             self.trust = Trust(size, error, q.shape[1])
@@ -113,7 +115,7 @@ class FastModes:
         matrices, usable = self._matrices(self._function(q))
         values = np.asarray(np.linalg.eigvalsh(matrices, UPLO="L")[:, ::-1])
         result = np.full((self.n, q.shape[1]), np.nan)
-        result[:, usable] = _frequencies_of(values, self.n)
+        result[:, usable] = frequencies_of(values, self.n)
         return result
 
     def modes(self, q: Array) -> ModeVectors:
@@ -133,8 +135,8 @@ class FastModes:
             values, Y = np.linalg.eigh(matrices, UPLO="L")
             values, Y = values[:, ::-1], Y[:, :, ::-1]
             known = start + np.flatnonzero(usable)
-            frequencies[:, known] = _frequencies_of(values, n)
-            L = _lower_triangular(factor[:, usable], r)
+            frequencies[:, known] = frequencies_of(values, n)
+            L = lower_triangular(factor[:, usable], r)
             vectors[known, : min(n, r)] = np.swapaxes(L @ Y[:, :, :n], 1, 2)
         vectors[np.isnan(frequencies.T)] = 0.0
         return ModeVectors(frequencies, vectors)
@@ -142,10 +144,10 @@ class FastModes:
     def _matrices(self, lower: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Return lower triangles (r(r+1)/2, N) as matrices (m, r, r), and which N they are."""
         usable = np.asarray(np.isfinite(lower).all(axis=0))
-        return _lower_triangular(lower[:, usable], self._size), usable
+        return lower_triangular(lower[:, usable], self._size), usable
 
 
-def _lower_triangular(lower: Array, r: int) -> Array:
+def lower_triangular(lower: Array, r: int) -> Array:
     """Return matrices (N, r, r) of lower triangles (r(r+1)/2, N), zero above."""
     matrices = np.zeros((lower.shape[1], r, r))
     rows, columns = np.tril_indices(r)
@@ -153,7 +155,7 @@ def _lower_triangular(lower: Array, r: int) -> Array:
     return matrices
 
 
-def _frequencies_of(values: Array, n: int) -> Array:
+def frequencies_of(values: Array, n: int) -> Array:
     """Return frequencies (n, N), Hz, of eigenvalues 1/omega^2 (N, r), largest first."""
     result = np.full((n, values.shape[0]), np.nan)
     exists = values[:, :n] > _MASSLESS * values[:, :1]
@@ -162,7 +164,7 @@ def _frequencies_of(values: Array, n: int) -> Array:
     return result
 
 
-def _far_apart(q: Array, count: int) -> NDArray[np.intp]:
+def far_apart(q: Array, count: int) -> NDArray[np.intp]:
     """Return indices of postures (n, N) that lie as far apart as can be, extremes first."""
     spread = np.ptp(q, axis=1)
     x = q[spread > 0.0] / spread[spread > 0.0, None]
@@ -172,4 +174,4 @@ def _far_apart(q: Array, count: int) -> NDArray[np.intp]:
         chosen.append(int(np.argmax(distance)))
         to_chosen = np.sum((x - x[:, chosen[-1:]]) ** 2, axis=0)
         distance = to_chosen if len(chosen) == 1 else np.minimum(distance, to_chosen)
-    return np.array(chosen)
+    return np.array(chosen, dtype=np.intp)

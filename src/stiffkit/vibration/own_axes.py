@@ -8,12 +8,15 @@ two postures' modes tell which is which (`track_modes`).
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
 from stiffkit.kinematics import Located
 from stiffkit.network import elements_of, loose_directions
-from stiffkit.robot import Freedom, Link
+from stiffkit.robot import Freedom, Joint, Link
 from stiffkit.smallmat import as_objects
 from stiffkit.spatial import twist_shift
 from stiffkit.vibration.modes import ModalModel
@@ -64,7 +67,7 @@ def to_own_axes(full: ModalModel, q: Array, shapes: Array) -> Array:
                 own = shapes[start : start + 6]
                 deflections.append(turn @ twist_shift(place - tool) @ to_si @ own)
                 start += 6
-            rows.append(_root_stiffness(part.compliance) @ np.concatenate(deflections))
+            rows.append(_root_stiffness(part) @ np.concatenate(deflections))
             roots = np.sqrt(full.bodies.mode_stiffness.get(part.name, np.zeros(0)))
             rows.append(roots[:, None] * shapes[start : start + roots.size])
             start += roots.size
@@ -78,18 +81,24 @@ def to_own_axes(full: ModalModel, q: Array, shapes: Array) -> Array:
     return np.concatenate(rows)
 
 
-def basis_of(full: ModalModel, U: Array) -> Basis:
-    """Return the basis whose columns are U (n_energy, r), orthonormal and in their own axes."""
+def basis_of(
+    elements: Iterable[Link | Joint], mode_stiffness: Mapping[str, Array], U: Array
+) -> Basis:
+    """Return the basis whose columns are U (n_energy, r), orthonormal and in their own axes.
+
+    ``elements`` are those of the robot's network, see `stiffkit.network.elements_of`;
+    ``mode_stiffness`` holds the squared angular frequencies (n,) of links' internal modes.
+    """
     edges: list[Array] = []
     modes: dict[str, Array] = {}
     start = 0
-    for part in elements_of(full.coordinates.network, full.tree.robot):
+    for part in elements:
         if isinstance(part, Link):
             p = len(part.other_ports)
             bending = U[start : start + 6 * p]
-            edges += np.split(np.linalg.solve(_root_stiffness(part.compliance), bending), p)
+            edges += np.split(np.linalg.solve(_root_stiffness(part), bending), p)
             start += 6 * p
-            roots = np.sqrt(full.bodies.mode_stiffness.get(part.name, np.zeros(0)))
+            roots = np.sqrt(mode_stiffness.get(part.name, np.zeros(0)))
             modes[part.name] = U[start : start + roots.size] / roots[:, None]
             start += roots.size
         else:
@@ -102,6 +111,7 @@ def basis_of(full: ModalModel, U: Array) -> Basis:
     return Basis(tuple(edges), modes)
 
 
-def _root_stiffness(compliance: Array | None) -> Array:
-    """Return E with E^T E the inverse of a compliance (n, n)."""
-    return np.asarray(np.linalg.inv(np.linalg.cholesky(np.asarray(compliance))))
+@lru_cache(maxsize=1000)
+def _root_stiffness(link: Link) -> Array:
+    """Return E with E^T E the inverse of a link's compliance (n, n)."""
+    return np.asarray(np.linalg.inv(np.linalg.cholesky(np.asarray(link.compliance))))

@@ -32,7 +32,7 @@ from stiffkit.network import (
     build_network,
     loose_directions,
 )
-from stiffkit.robot import Freedom
+from stiffkit.robot import Freedom, Link, Robot
 from stiffkit.smallmat import (
     Matrix,
     Scalar,
@@ -108,6 +108,45 @@ def routes(network: Network) -> tuple[dict[Node, _Route], list[_Route]]:
     return {node: _Route(tuple(signs.items())) for node, signs in way.items()}, loops
 
 
+def add_basis_and_masses(
+    constants: Constants, robot: Robot, bodies: Bodies, basis: Basis, length: float
+) -> None:
+    """Store what the kernel reads beside the robot's geometry and elasticity."""
+    links = [link for link in robot.links.values() if link.compliance is not None]
+    soft = [
+        float(np.trace(k[i : i + 3, i : i + 3])) / 3.0
+        for k in (x.compliance for x in links)
+        if k is not None
+        for i in range(0, len(k), 6)
+    ]
+    drives = [
+        (1.0 / s) * (length**2 if d.turns else 1.0)
+        for joint in robot.joints.values()
+        for d in loose_directions(joint)
+        if d.freedom is not Freedom.PASSIVE and (s := joint.stiffness[d.index]) > 0.0
+    ]
+    typical = _PASSIVE * float(np.mean(soft + drives))
+    constants.add("passive", np.array([typical, typical / length**2]))
+    for i, rows in enumerate(basis.edges):
+        constants.add(f"basis:{i}", rows)
+    for name, mass in bodies.rigid.items():
+        constants.add_symmetric(f"mass:{name}", mass)
+    for name, element in bodies.elastic.items():
+        _add_elastic_mass(constants, robot.links[name], element.mass, basis.modes[name])
+    constants.add("tool mass", np.array([bodies.tool_mass]))
+
+
+def _add_elastic_mass(constants: Constants, link: Link, mass: Array, modes: Array) -> None:
+    """Store the mass for [base twist; ports' deflections], and what the constant modes add."""
+    n = 6 * len(link.ports)
+    carry = np.eye(mass.shape[0])
+    carry[6:n, :6] = carried([link.ports[port].position for port in link.other_ports])
+    M = carry.T @ mass @ carry
+    constants.add_symmetric(f"mass:{link.name}", M[:n, :n])
+    constants.add(f"modes:{link.name}", M[:n, n:] @ modes)
+    constants.add_symmetric(f"own:{link.name}", modes.T @ M[n:, n:] @ modes)
+
+
 class ReducedKernel:
     """The reduced mass and stiffness of a robot, for a basis."""
 
@@ -122,43 +161,7 @@ class ReducedKernel:
         self.edge_of = {edge.part: i for i, edge in enumerate(self.network.edges)}
         self.constants = Constants()
         add_elasticity(self.constants, self.robot, length)
-        self._add_basis_and_masses(length)
-
-    def _add_basis_and_masses(self, length: float) -> None:
-        links = [link for link in self.robot.links.values() if link.compliance is not None]
-        soft = [
-            float(np.trace(k[i : i + 3, i : i + 3])) / 3.0
-            for k in (x.compliance for x in links)
-            if k is not None
-            for i in range(0, len(k), 6)
-        ]
-        drives = [
-            (1.0 / s) * (length**2 if d.turns else 1.0)
-            for joint in self.robot.joints.values()
-            for d in loose_directions(joint)
-            if d.freedom is not Freedom.PASSIVE and (s := joint.stiffness[d.index]) > 0.0
-        ]
-        typical = _PASSIVE * float(np.mean(soft + drives))
-        self.constants.add("passive", np.array([typical, typical / length**2]))
-        for i, rows in enumerate(self.basis.edges):
-            self.constants.add(f"basis:{i}", rows)
-        for name, mass in self.bodies.rigid.items():
-            self.constants.add_symmetric(f"mass:{name}", mass)
-        for name, element in self.bodies.elastic.items():
-            self._add_elastic_mass(name, element.mass)
-        self.constants.add("tool mass", np.array([self.bodies.tool_mass]))
-
-    def _add_elastic_mass(self, name: str, mass: Array) -> None:
-        """Store the mass for [base twist; ports' deflections], and what the constant modes add."""
-        link = self.robot.links[name]
-        n = 6 * len(link.ports)
-        carry = np.eye(mass.shape[0])
-        carry[6:n, :6] = carried([link.ports[port].position for port in link.other_ports])
-        M = carry.T @ mass @ carry
-        modes = self.basis.modes[name]
-        self.constants.add_symmetric(f"mass:{name}", M[:n, :n])
-        self.constants.add(f"modes:{name}", M[:n, n:] @ modes)
-        self.constants.add_symmetric(f"own:{name}", modes.T @ M[n:, n:] @ modes)
+        add_basis_and_masses(self.constants, self.robot, bodies, basis, length)
 
     def kernel(self, *, with_factor: bool = False) -> Kernel:
         """Return the kernel.

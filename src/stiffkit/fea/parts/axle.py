@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from stiffkit.fea.geometry import MM
 from stiffkit.fea.parts.parametric import (
-    MM,
     Dimensions,
     ParametricPart,
     PartDimension,
@@ -44,9 +44,9 @@ def _check(d: Dimensions) -> None:
 def _build(d: Dimensions) -> Any:
     from netgen.occ import Axes, Axis, Cylinder, WorkPlane, X, Y
 
-    r, R = MM * d["journal"] / 2.0, MM * d["diameter"] / 2.0
-    seat, rounding = MM * d["seat"], MM * d["rounding"]
-    length, end = MM * d["length"], MM * (d["length"] + d["overhang"])
+    r, R = d["journal"] / 2.0 / MM, d["diameter"] / 2.0 / MM
+    seat, rounding = d["seat"] / MM, d["rounding"] / MM
+    length, end = d["length"] / MM, (d["length"] + d["overhang"]) / MM
     # Half of the section along the shaft, counter-clockwise from the origin, then turned about x.
     profile = WorkPlane(Axes((0.0, 0.0, 0.0), n=-Y, h=X))
     profile.Line(end).Rotate(90.0).Line(R).Rotate(90.0).Line(end - seat - rounding).Rotate(90.0)
@@ -58,7 +58,7 @@ def _build(d: Dimensions) -> Any:
             face.name = "middle"
         elif face.bounding_box[1].x < seat + 1e-3:
             face.name = "journal"
-    pin = Cylinder((length, -2.0 * R, 0.0), Y, r=MM * d["bore"] / 2.0, h=4.0 * R)
+    pin = Cylinder((length, -2.0 * R, 0.0), Y, r=d["bore"] / 2.0 / MM, h=4.0 * R)
     for face in pin.faces:
         face.name = "pin"
     return body - pin

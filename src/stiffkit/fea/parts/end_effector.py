@@ -4,23 +4,19 @@ from __future__ import annotations
 
 from typing import Any
 
+from stiffkit.fea.geometry import MM
 from stiffkit.fea.parts.parametric import (
-    MM,
     Dimensions,
     ParametricPart,
     PartDimension,
     millimetres,
     require,
+    require_ring,
 )
 
 
 def _check(d: Dimensions) -> None:
-    require(
-        d["bore"] + 4e-3 <= d["ring"],
-        f"a bore of {millimetres(d['bore'])} leaves less than 2 mm of a ring of"
-        f" {millimetres(d['ring'])}",
-        "make the bore smaller, or the ring larger",
-    )
+    require_ring(d)
     require(
         (d["seat"] + d["ring"]) / 2.0 < d["r"],
         f"rings of {millimetres(d['ring'])}, {millimetres(d['seat'])} long, meet at a distance of"
@@ -44,11 +40,11 @@ def _check(d: Dimensions) -> None:
 def _build(d: Dimensions) -> Any:
     from netgen.occ import Box, Cylinder, X, Y, Z
 
-    r, ring, bore = MM * d["r"], MM * d["ring"] / 2.0, MM * d["bore"] / 2.0
-    half, seat = MM * d["block"] / 2.0, MM * d["seat"] / 2.0
-    top = half + MM * d["flange_height"]
+    r, ring, bore = d["r"] / MM, d["ring"] / 2.0 / MM, d["bore"] / 2.0 / MM
+    half, seat = d["block"] / 2.0 / MM, d["seat"] / 2.0 / MM
+    top = half + d["flange_height"] / MM
     body = Box((-half, -half, -half), (half, half, half))
-    body = body + Cylinder((0.0, 0.0, 0.0), Z, r=MM * d["flange"] / 2.0, h=top)
+    body = body + Cylinder((0.0, 0.0, 0.0), Z, r=d["flange"] / 2.0 / MM, h=top)
     # Each leg's ring lies against its drive, about the axle: x and y, y and z, z and x.
     axles = ((-r, 0.0, 0.0), Y), ((0.0, -r, 0.0), Z), ((0.0, 0.0, -r), X)
     for centre, axis in axles:

@@ -5,25 +5,21 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from stiffkit.fea.geometry import MM
 from stiffkit.fea.parts.parametric import (
-    MM,
     Dimensions,
     ParametricPart,
     PartDimension,
     millimetres,
     require,
+    require_ring,
 )
 
 _LEAN = math.radians(45.0)
 
 
 def _check(d: Dimensions) -> None:
-    require(
-        d["bore"] + 4e-3 <= d["ring"],
-        f"a bore of {millimetres(d['bore'])} leaves less than 2 mm of a ring of"
-        f" {millimetres(d['ring'])}",
-        "make the bore smaller, or the ring larger",
-    )
+    require_ring(d)
     require(
         max(d["height"], d["width"]) <= d["ring"],
         f"the arm of {millimetres(d['width'])} by {millimetres(d['height'])} is thicker than the"
@@ -48,27 +44,27 @@ def _check(d: Dimensions) -> None:
 def _build(d: Dimensions) -> Any:
     from netgen.occ import Axis, Box, Cylinder, Y, Z
 
-    across = MM * d["length"] * math.sin(_LEAN)
-    plate, ring = MM * d["plate"], MM * d["ring"] / 2.0
-    a, b = MM * d["plate_length"] / 2.0, MM * d["plate_width"] / 2.0
-    w, h = MM * d["width"] / 2.0, MM * d["height"] / 2.0
-    seat = MM * d["seat"] / 2.0
+    across = d["length"] / MM * math.sin(_LEAN)
+    plate, ring = d["plate"] / MM, d["ring"] / 2.0 / MM
+    a, b = d["plate_length"] / 2.0 / MM, d["plate_width"] / 2.0 / MM
+    w, h = d["width"] / 2.0 / MM, d["height"] / 2.0 / MM
+    seat = d["seat"] / 2.0 / MM
     # The plate lies under the middle of the arm where it comes out of it.
     shift = plate
     # The arm begins below the plate's top, so that nothing of it ends inside.
-    arm = Box((0.0, -w, -h), (MM * d["length"], w, h))
+    arm = Box((0.0, -w, -h), (d["length"] / MM, w, h))
     arm = arm.Rotate(Axis((0.0, 0.0, 0.0), Y), -math.degrees(_LEAN))
     arm = arm - Box((-4.0 * a, -4.0 * b, -4.0 * a), (4.0 * a, 4.0 * b, plate / 2.0))
     base = Box((shift - a, -b, 0.0), (shift + a, b, plate))
     body = base + arm
-    body = body.MakeFillet(_foot_of_arm(body, plate, w, h), MM * d["rounding"])
+    body = body.MakeFillet(_foot_of_arm(body, plate, w, h), d["rounding"] / MM)
     body = body + Cylinder((across, -seat, across), Y, r=ring, h=2.0 * seat)
-    bolt = MM * d["bolt"]
+    bolt = d["bolt"] / MM
     for sx in (-1.0, 1.0):
         for sy in (-1.0, 1.0):
             x, y = shift + sx * (a - 1.2 * bolt), sy * (b - 1.2 * bolt)
             body = body - Cylinder((x, y, -1.0), Z, r=bolt / 2.0, h=plate + 2.0)
-    bearing = Cylinder((across, -2.0 * seat, across), Y, r=MM * d["bore"] / 2.0, h=4.0 * seat)
+    bearing = Cylinder((across, -2.0 * seat, across), Y, r=d["bore"] / 2.0 / MM, h=4.0 * seat)
     for face in bearing.faces:
         face.name = "bearing"
     body = body - bearing

@@ -8,11 +8,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from stiffkit.errors import CadError
+from stiffkit.fea.geometry import MM
 from stiffkit.files.names import suggest
 from stiffkit.units import LENGTH, Dimension
-
-MM = 1e3
-"""Millimetres in a metre: the CAD kernel's tolerances are made for millimetres."""
 
 Dimensions = Mapping[str, float]
 """Every dimension of a part, SI."""
@@ -49,15 +47,20 @@ class ParametricPart:
     build: Callable[[Dimensions], Any]
     """Returns the shape, mm; runs in the child process only."""
 
+    def dimension(self, name: str) -> PartDimension:
+        """Return the dimension of a name. Raises `CadError` if there is none."""
+        known = {dimension.name: dimension for dimension in self.dimensions}
+        if name not in known:
+            raise CadError(f"{self.name} has no dimension '{name}'", mend=suggest(name, known))
+        return known[name]
+
     def complete(self, given: Mapping[str, float]) -> dict[str, float]:
         """Return all dimensions, SI, with defaults for those that are not given.
 
         Raises `CadError` if one is unknown or not positive, or they do not fit together.
         """
-        known = [dimension.name for dimension in self.dimensions]
         for name, value in given.items():
-            if name not in known:
-                raise CadError(f"{self.name} has no dimension '{name}'", mend=suggest(name, known))
+            self.dimension(name)
             if not (math.isfinite(value) and value > 0.0):
                 raise CadError(f"{self.name}: {name} is {value:g} and must be positive")
         complete = {one.name: float(given.get(one.name, one.default)) for one in self.dimensions}
@@ -71,6 +74,16 @@ def require(holds: bool, what: str, mend: str) -> None:
         raise CadError(what, mend=mend)
 
 
+def require_ring(d: Dimensions) -> None:
+    """Raise `CadError` unless the dimension "bore" leaves 2 mm of "ring" all round."""
+    require(
+        d["bore"] + 4e-3 <= d["ring"],
+        f"a bore of {millimetres(d['bore'])} leaves less than 2 mm of a ring of"
+        f" {millimetres(d['ring'])}",
+        "make the bore smaller, or the ring larger",
+    )
+
+
 def millimetres(value: float) -> str:
     """Return a length in m as text in mm."""
-    return f"{MM * value:.6g} mm"
+    return f"{value / MM:.6g} mm"

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from stiffkit.fea.geometry import MM
 from stiffkit.fea.parts.parametric import (
-    MM,
     Dimensions,
     ParametricPart,
     PartDimension,
@@ -78,15 +78,15 @@ def _check_fork(d: Dimensions) -> None:
 
 def _eye(d: Dimensions) -> Any:
     """Return an eye on the pin at the origin that reaches along +x."""
-    return _plan(d, MM * d["eye"])
+    return _plan(d, d["eye"] / MM)
 
 
 def _fork(d: Dimensions) -> Any:
     """Return a fork on the pin at the origin that reaches along +x, with its web."""
     from netgen.occ import Axes, WorkPlane, X, Y
 
-    reach, gap, cheek = MM * d["reach"], MM * d["gap"], MM * d["cheek"]
-    width, web, r = MM * d["end_width"], MM * d["cap"], MM * d["rounding"]
+    reach, gap, cheek = d["reach"] / MM, d["gap"] / MM, d["cheek"] / MM
+    width, web, r = d["end_width"] / MM, d["cap"] / MM, d["rounding"] / MM
     body = _plan(d, gap + 2.0 * cheek, web)
     # The slot, drawn in the plane across y, with rounded corners at its bottom.
     profile = WorkPlane(Axes((-width, width, -gap / 2.0), n=-Y, h=X))
@@ -100,7 +100,7 @@ def _plan(d: Dimensions, height: float, beyond: float = 0.0) -> Any:
     """Return a slab with a round end about the pin at the origin, mm, from there along +x."""
     from netgen.occ import Box, Cylinder, Z
 
-    half, reach = MM * d["end_width"] / 2.0, MM * d["reach"] + beyond
+    half, reach = d["end_width"] / 2.0 / MM, d["reach"] / MM + beyond
     slab = Box((0.0, -half, -height / 2.0), (reach, half, height / 2.0))
     return slab + Cylinder((0.0, 0.0, -height / 2.0), Z, r=half, h=height)
 
@@ -109,15 +109,15 @@ def _strut(d: Dimensions, base: Any, tip: Any) -> Any:
     """Return a tube between two ends, each about the origin and along +x, with named bores."""
     from netgen.occ import Axis, Box, Cylinder, Z
 
-    length, reach, cap = MM * d["length"], MM * d["reach"], MM * d["cap"]
-    b, h, wall = MM * d["width"] / 2.0, MM * d["height"] / 2.0, MM * d["wall"]
+    length, reach, cap = d["length"] / MM, d["reach"] / MM, d["cap"] / MM
+    b, h, wall = d["width"] / 2.0 / MM, d["height"] / 2.0 / MM, d["wall"] / MM
     turned = tip.Rotate(Axis((0.0, 0.0, 0.0), Z), 180.0).Move((length, 0.0, 0.0))
     tube = Box((reach, -b, -h), (length - reach, b, h))
     hole = Box((reach + cap, wall - b, wall - h), (length - reach - cap, b - wall, h - wall))
     body = (base + tube + turned) - hole
     tall = length / 2.0
     for name, x in (("base", 0.0), ("tip", length)):
-        pin = Cylinder((x, 0.0, -tall), Z, r=MM * d["bore"] / 2.0, h=2.0 * tall)
+        pin = Cylinder((x, 0.0, -tall), Z, r=d["bore"] / 2.0 / MM, h=2.0 * tall)
         for face in pin.faces:
             face.name = name
         body = body - pin

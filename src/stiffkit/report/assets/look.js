@@ -82,10 +82,30 @@ function toScale(value, scale) {
   return scale.log ? Math.log10(inside) : inside;
 }
 
+// Labels within a decade, from few to many, and how few labels would pass for a linear axis.
+const LOG_STEPS = [
+  [1, 2, 5],
+  [1, 1.5, 2, 3, 4, 5, 6, 8],
+  [1, 1.2, 1.4, 1.6, 1.8, 2, 2.5, 3, 4, 5, 6, 7, 8, 9],
+];
+const FEW_TICKS = 3;
+
 function logTicks(scale) {
-  const decades = Math.log10(scale.high / scale.low);
-  let steps = decades > 4 ? [1] : [1, 2, 5];
-  if (decades < 0.8) steps = [1, 1.2, 1.4, 1.6, 1.8, 2, 2.5, 3, 4, 5, 6, 7, 8, 9];
+  if (Math.log10(scale.high / scale.low) > 4) return ticksAt([1], scale);
+  const choices = LOG_STEPS.map((steps) => ticksAt(steps, scale));
+  return choices.find((ticks) => ticks.length > FEW_TICKS) ?? evenTicks(scale);
+}
+
+// Over so little of a decade a logarithmic axis is as good as linear.
+function evenTicks({ low, high }) {
+  const least = (high - low) / 10;
+  const power = 10 ** Math.floor(Math.log10(least));
+  const step = power * [1, 2, 5, 10].find((size) => size * power >= least);
+  const first = Math.ceil(low / step);
+  return Array.from({ length: Math.floor(high / step) - first + 1 }, (_, i) => (first + i) * step);
+}
+
+function ticksAt(steps, scale) {
   const ticks = [];
   for (let power = Math.floor(Math.log10(scale.low)); 10 ** power <= scale.high; power += 1) {
     for (const step of steps) {

@@ -1,0 +1,91 @@
+"""Chunks on a cluster of Dask: https://distributed.dask.org."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiffkit.errors import StiffkitError
+from stiffkit.study.sweep.engine import Rows
+from stiffkit.study.sweep.executors import Chunk
+from stiffkit.study.sweep.work import Reference, as_given, compute_chunk
+
+Array = NDArray[np.float64]
+
+_AHEAD = 3
+"""Chunks that each thread of the cluster has been given, so that none waits for the next."""
+_FEWEST = 8
+_PATIENCE = 10.0
+"""Seconds that a scheduler has to answer."""
+
+
+class Cluster:
+    """The workers of a scheduler that is running already."""
+
+    def __init__(self, address: str, tell: Callable[[str], None]) -> None:
+        """Take the scheduler's address, such as tcp://host:8786, and what is told news.
+
+        Raises StiffkitError where Dask is not installed, or the scheduler does not answer.
+        """
+        try:
+            from distributed import Client as Connection
+        except ImportError:
+            raise StiffkitError(
+                "a cluster needs Dask's 'distributed', which is not installed",
+                mend="install it with  pip install 'stiffkit[cluster]',  the same on all workers",
+            ) from None
+        try:
+            connect: Any = Connection
+            self._client = connect(address, timeout=_PATIENCE, set_as_default=False)
+        except (OSError, TimeoutError, ValueError) as error:
+            raise StiffkitError(
+                f"the scheduler at {address} does not answer: {error}",
+                mend="start one with 'dask scheduler', and workers with 'dask worker ADDRESS"
+                " --nthreads 1'",
+            ) from None
+        tell(f"dashboard: {self._client.dashboard_link}")
+
+    def run(
+        self, job: dict[str, Any], reference: Reference, chunks: Sequence[Chunk]
+    ) -> Generator[tuple[int, Rows], None, None]:
+        """Yield the rows of each chunk, see `Executor`."""
+        import distributed
+
+        client: Any = self._client
+        try:
+            # A task like others, so that it can be had again where the worker that has it dies;
+            # each worker fetches it once, from another one.
+            name = f"stiffkit-{job['key'][:12]}"
+            shared = client.submit(as_given, reference, key=f"{name}-reference", pure=False)
+            waiting = list(reversed(chunks))
+            running: dict[str, int] = {}
+            collect: Any = distributed.as_completed
+            finished = collect(loop=client.loop)
+
+            def fill() -> None:
+                most = max(_FEWEST, _AHEAD * sum(client.nthreads().values()))
+                while waiting and len(running) < most:
+                    number, values = waiting.pop()
+                    key = f"{name}-{number}"
+                    running[key] = number
+                    finished.add(
+                        client.submit(compute_chunk, job, shared, values, key=key, pure=False)
+                    )
+
+            fill()
+            for future in finished:
+                try:
+                    rows = future.result()
+                except distributed.KilledWorker as error:
+                    raise StiffkitError(
+                        f"workers died again and again: {error}",
+                        mend="see whether they have enough memory, and their logs",
+                    ) from None
+                yield running.pop(future.key), rows
+                future.release()
+                fill()
+        finally:
+            client.close()
