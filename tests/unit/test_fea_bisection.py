@@ -43,6 +43,9 @@ def test_the_mesh_stays_whole_whatever_is_chosen(plate: PartMesh) -> None:
         pairs = np.concatenate(corners)
         middles = mesh.tets[:, 4:].T.ravel()
         assert len(np.unique(pairs, axis=0)) == len(np.unique(middles))
+        # What follows the corners is no vertex: NGSolve would give it functions of no element.
+        assert mesh.tets[:, :4].max() < mesh.tets[:, 4:].min()
+        assert mesh.curved.nv == len(np.unique(mesh.tets[:, :4]))
     assert mesh.cuts == 3
 
 

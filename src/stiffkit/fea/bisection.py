@@ -50,9 +50,20 @@ def bisect(mesh: MeshArrays, chosen: Mask) -> Refined:
     solids, faces = mesh.tet_solid[parents], mesh.triangle_face[behind]
     # Solid by solid, as meshes are numbered.
     order = np.argsort(solids, kind="stable")
-    return Refined(
-        MeshArrays(nodes.points, tets[order], solids[order], triangles, faces), parents[order]
-    )
+    points, tets, triangles = _corners_first(nodes.points, tets[order], triangles)
+    return Refined(MeshArrays(points, tets, solids[order], triangles, faces), parents[order])
+
+
+def _corners_first(
+    points: Array, tets: Indices, triangles: Indices
+) -> tuple[Array, Indices, Indices]:
+    """Number points as meshes do: what follows the last corner is the middle of an edge."""
+    is_corner = np.zeros(len(points), dtype=np.bool_)
+    is_corner[tets[:, :4]] = True
+    order = np.argsort(~is_corner, kind="stable")
+    number = np.empty(len(points), dtype=np.int32)
+    number[order] = np.arange(len(points))
+    return points[order], number[tets], number[triangles]
 
 
 def _edge_lengths(mesh: MeshArrays) -> Array:
