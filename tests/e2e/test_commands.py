@@ -295,7 +295,7 @@ class TestCompletion:
         ("words", "expected"),
         [
             ("stiffkit ma", {"map"}),
-            ("stiffkit check big", {"biglide", "biglide-cad", "biglide-elastic-tool"}),
+            ("stiffkit check biglide-e", {"biglide-elastic-tool"}),
             ("stiffkit pose biglide --mod", {"--model"}),
             ("stiffkit pose biglide --model s", {"simplified"}),
         ],

@@ -6,15 +6,13 @@ from functools import cache
 from pathlib import Path
 
 from stiffkit.fea import (
-    FacePick,
-    Interface,
     MeshSettings,
     Part,
     PartMesh,
     Port,
     build_part,
-    find_ports,
     mesh_part,
+    named_ports,
 )
 from stiffkit.link import Material
 
@@ -35,10 +33,4 @@ def mesh(function: str, size: float, **arguments: float) -> PartMesh:
 
 def ends(of: Part, base: str = "clamped", tip: str = "average") -> tuple[Port, ...]:
     """The two ends of a beam."""
-    return find_ports(
-        of,
-        [
-            Interface("base", FacePick(names=("base",)), base),
-            Interface("tip", FacePick(names=("tip",)), tip),
-        ],
-    )
+    return named_ports(of, {"base": base, "tip": tip})

@@ -32,7 +32,9 @@ MOBILITY = {
     "delta": Expected(9, 9, 6, "x y z"),
     "five-bar": Expected(-1, 2, 0, "x y"),
     "biglide": Expected(-1, 2, 0, "x y"),
+    "biglide-beams": Expected(-1, 2, 0, "x y"),
     "biglide-elastic-tool": Expected(-1, 2, 0, "x y"),
+    "biglide-scaled": Expected(-1, 2, 0, "x y"),
     "hexapod-cubic": Expected(6, 6, 0, "x y z rx ry rz"),
     # PRPaR legs: each keeps two rotations, three more than six in all, and each of the three planar
     # parallelograms has three of its own (A. Pashkevich et al., 2009, call it over-constrained).

@@ -95,7 +95,9 @@ def test_floats_batches_and_compiled_code_agree(inputs: Array) -> None:
 
 
 @needs_heyoka
-@pytest.mark.parametrize("n", [1, 2, module.CHUNK - 1, module.CHUNK, 2 * module.CHUNK + 3])
+@pytest.mark.parametrize(
+    "n", [1, 2, *(k * module.LARGEST_CHUNK + i for k, i in ((1, -1), (1, 0), (2, 3)))]
+)
 def test_every_size_of_batch(n: int) -> None:
     inputs = np.random.default_rng(1).normal(size=(2, n))
     kernel = sample()

@@ -23,6 +23,8 @@ import matplotlib
 import pytest
 import yaml
 
+from stiffkit.design import SCHEMA_FILE as DESIGN_SCHEMA_FILE
+from stiffkit.design.uncertainty import SCHEMA_FILE as UNCERTAINTY_SCHEMA_FILE
 from stiffkit.fea.link_spec import SCHEMA_FILE as CAD_SCHEMA_FILE
 from stiffkit.files.schema import check_shape
 from stiffkit.files.source import Source
@@ -196,6 +198,10 @@ def test_files_load(page: Path, tmp_path: Path) -> None:
             check_shape(root, page, SPEC_SCHEMA_FILE)
         elif root.child("cad") is not None:
             check_shape(root, page, CAD_SCHEMA_FILE)
+        elif root.child("design") is not None:
+            check_shape(root, page, DESIGN_SCHEMA_FILE)
+        elif root.child("uncertainty") is not None:
+            check_shape(root, page, UNCERTAINTY_SCHEMA_FILE)
         elif root.child("study") is not None:
             check_shape(root, page, STUDY_SCHEMA_FILE)
         elif named := _FILE.match(block.text):
@@ -275,6 +281,18 @@ def test_the_reference_of_parts_has_every_key() -> None:
 def test_the_reference_of_studies_has_every_key_and_quantity() -> None:
     text = text_of("docs/studies.md")
     for word in keys_of(json.loads(STUDY_SCHEMA_FILE.read_text("utf-8"))) | set(QUANTITIES):
+        assert re.search(rf"\b{word}\b", text), word
+
+
+def test_the_reference_of_designs_has_every_key() -> None:
+    text = text_of("docs/design.md")
+    for word in keys_of(json.loads(DESIGN_SCHEMA_FILE.read_text("utf-8"))):
+        assert re.search(rf"\b{word}\b", text), word
+
+
+def test_the_reference_of_uncertainty_has_every_key() -> None:
+    text = text_of("docs/uncertainty.md")
+    for word in keys_of(json.loads(UNCERTAINTY_SCHEMA_FILE.read_text("utf-8"))):
         assert re.search(rf"\b{word}\b", text), word
 
 

@@ -24,6 +24,7 @@ from stiffkit.fea import (
     PortModel,
     SolveSettings,
     find_ports,
+    named_ports,
     reduce_part,
 )
 from stiffkit.fea.adapt import AdaptSettings, adapt
@@ -244,8 +245,7 @@ def test_the_adaptive_loop_ends_below_its_tolerance_or_says_why() -> None:
 
 
 def foot_ports(foot: Part) -> tuple[Port, ...]:
-    kinds = {"ground": "clamped", "bore": "average"}
-    return find_ports(foot, [Interface(n, FacePick(names=(n,)), k) for n, k in kinds.items()])
+    return named_ports(foot, {"ground": "clamped", "bore": "average"})
 
 
 def test_each_solution_on_a_mesh_contains_the_one_before() -> None:

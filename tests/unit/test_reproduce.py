@@ -84,7 +84,7 @@ def test_the_command_without_finite_elements(
     assert "pip install 'stiffkit[fea]'" in printed
     assert [e["where"] for e in content["entries"] if e["verdict"] == "differs"] == DIFFERING
     assert all(entry["why"] for entry in content["entries"] if entry["verdict"] == "differs")
-    assert names == {"reproduction.json"} | figures(2)
+    assert names == {"reproduction.json", "reproduction.html"} | figures(2)
 
 
 def test_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -101,7 +101,7 @@ def test_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     differing = [entry for entry in content["entries"] if entry["verdict"] == "differs"]
     assert [entry["where"] for entry in differing][:3] == DIFFERING
     assert all(entry["why"] for entry in differing)
-    assert names == {"reproduction.json"} | figures(3)
+    assert names == {"reproduction.json", "reproduction.html"} | figures(3)
 
 
 def test_meshes_too_large_for_the_memory_are_left_out(monkeypatch: pytest.MonkeyPatch) -> None:

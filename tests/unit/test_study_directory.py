@@ -25,8 +25,10 @@ from stiffkit.study.sweep import (
     open_study,
     run_study,
 )
+from stiffkit.study.sweep.directory import chunk_size_of
 from stiffkit.study.sweep.executors import Chunk
 from stiffkit.study.sweep.files import alone_in, read_arrays, write_arrays
+from stiffkit.study.sweep.work import prepare
 
 SPEC = StudySpec(
     title="Arms",
@@ -98,6 +100,38 @@ def test_the_table_has_a_row_for_each_geometry_with_units(study: StudyDirectory)
     assert all(v.attrs["units"] for n, v in table.data_vars.items() if n != "reason")
 
 
+def test_a_drive_is_in_newtons_per_metre(tmp_path: Path) -> None:
+    drives = (Varied("drive", (5e8, 1e9), "kN/mm"),)
+    spec = replace(SPEC, robot="biglide", varied=drives, columns=SPEC.columns[:1])
+    table = run_study(create_study(tmp_path / "out", spec, backend="numpy"))
+    assert table["drive"].attrs["units"] == "N/m"
+    assert table["weakest"].values[0, 0] < table["weakest"].values[0, 1]
+
+
+def test_chunks_grow_with_the_square_root_of_the_study() -> None:
+    def size(geometries: int, frequencies: int = 0) -> int:
+        spec = replace(SPEC, sample=geometries, postures=1000, frequency_postures=frequencies)
+        return chunk_size_of(spec)
+
+    assert size(400_000) == pytest.approx(2 * size(100_000), rel=0.02)
+    assert size(100_000, 10) < size(100_000)
+    assert size(10) == size(1000) == 32
+    assert size(10**9) == size(10**10) < 2000
+    assert chunk_size_of(replace(SPEC, postures=10**7)) == 1
+
+
+def test_what_chunks_begin_from_belongs_to_the_study(
+    study: StudyDirectory, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A worker keeps what it made for a study by its key, also while another one is begun."""
+    prepared = prepare(SPEC, "numpy")
+    reference = {**prepared.reference, "q": prepared.reference["q"] * (1.0 + 1e-15)}
+    other = replace(prepared, reference=reference)
+    monkeypatch.setattr("stiffkit.study.sweep.directory.prepare", lambda *_: other)
+    again = create_study(tmp_path / "again", SPEC, chunk_size=2, backend="numpy")
+    assert again.job.key != study.job.key
+
+
 def test_what_is_finished_is_not_computed_again(study: StudyDirectory) -> None:
     first, second = Counting(1), Counting()
     with pytest.raises(KeyboardInterrupt):
@@ -150,7 +184,7 @@ def test_a_full_disk_leaves_what_was_there(
         patched.setattr(os, "fsync", full)
         with pytest.raises(OutputError, match="No space left") as caught:
             run_study(study)
-    assert "resume" in caught.value.mend
+    assert "goes on" in caught.value.mend
     assert study.finished() == [0]
     assert not list(study.path.rglob("*.partial"))
     run_study(study)

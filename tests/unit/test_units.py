@@ -26,6 +26,7 @@ from stiffkit.units import (
     format_quantity,
     parse_quantity,
     parse_unit,
+    si_unit_of,
     to_si,
 )
 
@@ -170,6 +171,20 @@ def test_writing_and_reading_gives_the_number_back(si: float, unit: str) -> None
 def test_any_text_is_a_quantity_or_an_error(text: str) -> None:
     with contextlib.suppress(UnitError):
         assert math.isfinite(parse_quantity(text).si)
+
+
+@pytest.mark.parametrize(
+    ("written", "si"),
+    [
+        *(("mm", "m"), ("deg", "rad"), ("", ""), ("kN", "N"), ("Nmm", "N m"), ("GPa", "Pa")),
+        *(("kN/mm", "N/m"), ("N m/rad", "N m/rad"), ("N mm/deg", "N m/rad"), ("mm/N", "m/N")),
+        *(("rad/N", "rad/N"), ("rad/(N mm)", "rad/(N m)"), ("g/mm^3", "kg/m^3"), ("1/ms", "1/s")),
+        *(("mm^4", "m^4"), ("kg mm^2", "kg m^2"), ("deg/s", "rad/s"), ("kg mm/s", "kg m s^-1")),
+    ],
+)
+def test_si_units_are_written_as_engineers_write_them(written: str, si: str) -> None:
+    assert si_unit_of(written) == si
+    assert parse_unit(si).dims == parse_unit(written).dims
 
 
 def test_common_units_do_not_import_pint() -> None:

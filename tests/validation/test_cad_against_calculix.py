@@ -23,16 +23,14 @@ from calculix_runs import (  # type: ignore[import-not-found]
 pytest.importorskip("netgen.occ")
 
 from stiffkit.fea import (
-    FacePick,
-    Interface,
     MeshSettings,
     Part,
     PartMesh,
     Port,
     SolveSettings,
     build_part,
-    find_ports,
     mesh_part,
+    named_ports,
     reduce_part,
     relative_difference,
 )
@@ -81,13 +79,7 @@ def meshes(bracket: Part) -> list[PartMesh]:
 
 @pytest.fixture(scope="module")
 def ports(bracket: Part) -> tuple[Port, ...]:
-    return find_ports(
-        bracket,
-        [
-            Interface("base", FacePick(names=("base",)), "clamped"),
-            Interface("tip", FacePick(names=("tip",)), "average"),
-        ],
-    )
+    return named_ports(bracket, {"base": "clamped", "tip": "average"})
 
 
 def deck(mesh: PartMesh, ports: tuple[Port, ...]) -> list[str]:

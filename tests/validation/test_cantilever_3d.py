@@ -17,20 +17,18 @@ import pytest
 pytest.importorskip("netgen.occ")
 
 from stiffkit.fea import (
-    FacePick,
-    Interface,
     MeshSettings,
     Part,
     PartMesh,
     Port,
     SolveSettings,
-    build_part,
-    find_ports,
     mesh_part,
+    named_ports,
     reduce_part,
 )
 from stiffkit.fea.adapt import AdaptSettings, adapt
 from stiffkit.fea.estimate import relative_difference
+from stiffkit.fea.square_bar import square_bar
 from stiffkit.link import Material
 from stiffkit.spatial.rotation import Array
 from stiffkit.spatial.twist import twist_shift
@@ -39,22 +37,10 @@ L, B = 1.0, 0.01
 STEEL = Material("steel of the paper", E=2e11, nu=0.266, density=7800.0)
 A, I2, J = B**2, B**4 / 12.0, 0.1405770 * B**4
 
-SHAPE = """
-from netgen.occ import Box, X
-
-def bar():
-    box = Box((0, 0, 0), (1000, 10, 10))
-    box.faces.Min(X).name = "base"
-    box.faces.Max(X).name = "tip"
-    return box
-"""
-
 
 @pytest.fixture(scope="module")
-def bar(tmp_path_factory: pytest.TempPathFactory) -> Part:
-    script = tmp_path_factory.mktemp("bar") / "bar.py"
-    script.write_text(SHAPE, encoding="utf-8")
-    return build_part(script, "bar")
+def bar() -> Part:
+    return square_bar(L, B)
 
 
 @pytest.fixture(scope="module")
@@ -63,8 +49,7 @@ def mesh(bar: Part) -> PartMesh:
 
 
 def ports(bar: Part, base: str, tip: str) -> tuple[Port, ...]:
-    named = [("base", base), ("tip", tip)]
-    return find_ports(bar, [Interface(n, FacePick(names=(n,)), kind) for n, kind in named])
+    return named_ports(bar, {"base": base, "tip": tip})
 
 
 def compliance(bar: Part, mesh: PartMesh, order: int, base: str = "clamped") -> Array:

@@ -22,11 +22,13 @@ from stiffkit.cli.arguments import (
     set_values,
     tool_pose,
 )
+from stiffkit.cli.designing import design
 from stiffkit.cli.identifying import advise, identify
 from stiffkit.cli.linking import link
 from stiffkit.cli.parts import parts
 from stiffkit.cli.reproducing import reproduce
 from stiffkit.cli.studying import study
+from stiffkit.cli.uncertain import uncertainty
 from stiffkit.cli.verifying import verify
 from stiffkit.errors import PoseError
 
@@ -66,12 +68,14 @@ def main() -> None:
     """
 
 
+main.add_command(design)
 main.add_command(identify)
 main.add_command(advise)
 main.add_command(link)
 main.add_command(parts)
 main.add_command(reproduce)
 main.add_command(study)
+main.add_command(uncertainty)
 main.add_command(verify)
 
 
@@ -286,19 +290,21 @@ def map_(
 
 @main.command()
 @click.argument(
-    "kind", type=click.Choice(["robot", "link", "identify", "cad", "study"]), default="robot"
+    "kind",
+    type=click.Choice(["robot", "link", "identify", "cad", "study", "design", "uncertainty"]),
+    default="robot",
 )
 def schema(kind: str) -> None:
     """Print the JSON Schema of robot files, link files or specifications, for editors.
 
-    Specifications are those of identifications (identify), of links from CAD (cad) and of long
-    studies (study).
+    Specifications are those of identifications (identify), of links from CAD (cad), of long
+    studies (study), of design studies (design) and of studies of uncertainty (uncertainty).
 
     Example:  stiffkit schema > robot.schema.json
     """
     from importlib.resources import files
 
-    room = "fea" if kind == "cad" else kind
+    room = {"cad": "fea", "uncertainty": "design.uncertainty"}.get(kind, kind)
     text = files(f"stiffkit.{room}").joinpath("schema.json").read_text(encoding="utf-8")
     click.echo(text, nl=False)
 

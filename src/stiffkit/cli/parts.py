@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import json
+from functools import partial
 from pathlib import Path
 from textwrap import fill
 from typing import TYPE_CHECKING, Any
@@ -32,12 +32,13 @@ def parts(name: str | None, settings: tuple[str, ...], output: Path | None, as_j
 
     Example:  stiffkit parts orthoglide-foot --set length=160mm -o foot.step
     """
+    from stiffkit.cli.show import tell
     from stiffkit.fea.parts import PARTS, find_part
 
     if name is None:
         if settings or output is not None:
             raise CadError("no part is named", mend=f"name one of {', '.join(PARTS)}")
-        _list(list(PARTS.values()), as_json)
+        tell(list(PARTS.values()), _show_list, _plain_list, as_json=as_json)
         return
     part = find_part(name)
     made = _made(part, settings)
@@ -45,12 +46,8 @@ def parts(name: str | None, settings: tuple[str, ...], output: Path | None, as_j
         from stiffkit.fea.sources import write_step
 
         write_step(made, output)
-    if as_json:
-        click.echo(json.dumps(_plain(part, made), indent=1, allow_nan=False))
-        return
-    _show(part, made)
-    if output is not None:
-        click.echo(f"part: {output}")
+    written = [] if output is None else [f"part: {output}"]
+    tell(made, partial(_show, part), partial(_plain, part), as_json=as_json, written=written)
 
 
 def _made(part: ParametricPart, settings: tuple[str, ...]) -> RegisteredPart:
@@ -64,11 +61,11 @@ def _made(part: ParametricPart, settings: tuple[str, ...]) -> RegisteredPart:
     return RegisteredPart(part.name, values)
 
 
-def _list(found: list[ParametricPart], as_json: bool) -> None:
-    if as_json:
-        plain = [{"part": part.name, "title": part.title} for part in found]
-        click.echo(json.dumps(plain, indent=1))
-        return
+def _plain_list(found: list[ParametricPart]) -> list[dict[str, str]]:
+    return [{"part": part.name, "title": part.title} for part in found]
+
+
+def _show_list(found: list[ParametricPart]) -> None:
     width = max(len(part.name) for part in found)
     for part in found:
         click.echo(f"{part.name:<{width}}  {part.title}")

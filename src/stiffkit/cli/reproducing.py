@@ -2,65 +2,133 @@
 
 from __future__ import annotations
 
-import json
 import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from textwrap import fill
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import click
 
 from stiffkit.cli.arguments import json_option, output_option
 
 if TYPE_CHECKING:
-    from stiffkit.reproduce import Entry, Reproduction
+    from stiffkit.progress import Progress
+    from stiffkit.report.reproduction_page import PageTable
+    from stiffkit.reproduce import Briot2009, Entry, Reproduction
+
+T = TypeVar("T")
 
 WIDTH = 98
 
 
 @click.command()
-@click.argument("paper", type=click.Choice(["pashkevich-2009"]))
+@click.argument("paper", type=click.Choice(["pashkevich-2009", "briot-2009"]))
 @click.option(
     "--full",
     is_flag=True,
     help="Solve the finest mesh of Table 5 too, which takes minutes and 4 GB of memory.",
 )
-@output_option("Directory for reproduction.json and the figures, as SVG and PNG.")
+@output_option("Directory for reproduction.html and .json, and the figures, as SVG and PNG.")
 @json_option
 def reproduce(paper: str, full: bool, output: Path | None, as_json: bool) -> None:
     """Compute the tables and figures of a paper again, beside the printed numbers.
 
-    Tables 2, 3, 5, 7 and 8, sections 3.5, 4 and 5, and figures 1 to 3 of Pashkevich et al. 2009.
+    Of Pashkevich et al. 2009: Tables 2, 3, 5, 7 and 8, sections 3.5, 4 and 5, and figures 1 to 3.
     The finite elements of sections 4 and 5 take a minute or two, and the extra 'fea'.
 
-    Example:  stiffkit reproduce pashkevich-2009 -o out/pashkevich
+    Of Briot et al. 2009: what the text says of the machine and of longer legs, and figures 3, 5 to
+    7, 10, 12 and 13.
+
+    Example:  stiffkit reproduce briot-2009 -o out/briot
     """
     from stiffkit.cli.show import progress
-    from stiffkit.reproduce import reproduce as compute
 
     with progress(sys.stderr.isatty()) as report:
-        found = compute(full=full, progress=report)
-    text = json.dumps(_content(paper, found), indent=1, allow_nan=False)
-    figures = ""
-    if output is not None:
-        from stiffkit.study import REPRODUCTION, whole_directory
-
-        with whole_directory(output, REPRODUCTION) as work:
-            (work / "reproduction.json").write_text(text + "\n", encoding="utf-8")
-            figures = _write_figures(found, work)
-    if as_json:
-        click.echo(text)
-        return
-    _show(found)
-    if output is not None:
-        click.echo(f"{figures} and reproduction.json in {output}")
+        done = _briot(report) if paper == "briot-2009" else _pashkevich(report, full=full)
+    done.tell(paper, output, as_json=as_json)
 
 
-def _content(paper: str, found: Reproduction) -> dict[str, Any]:
+@dataclass(frozen=True)
+class _Done(Generic[T]):
+    """A reproduction, and how it is told."""
+
+    found: T
+    show: Callable[[T], None]
+    plain: Callable[[T], dict[str, Any]]
+    """Plain data for JSON."""
+    write_figures: Callable[[T, Path], str]
+    """Writes them into a directory, and returns which these are, in words."""
+    tables: Callable[[T], Sequence[PageTable]]
+    """What the page shows."""
+    source: str
+
+    def tell(self, paper: str, output: Path | None, *, as_json: bool) -> None:
+        """Write the files if there is a place for them, and print the rest."""
+        from stiffkit.cli.show import tell, write_json
+
+        def plain(found: T) -> dict[str, Any]:
+            return {"paper": paper, **self.plain(found)}
+
+        written = []
+        if output is not None:
+            from stiffkit.report.reproduction_page import write_reproduction_page
+            from stiffkit.study import REPRODUCTION, whole_directory
+
+            with whole_directory(output, REPRODUCTION) as work:
+                write_json(work / "reproduction.json", plain(self.found))
+                figures = self.write_figures(self.found, work)
+                write_reproduction_page(
+                    paper,
+                    self.source,
+                    self.tables(self.found),
+                    sorted(work.glob("figure-*.png"), key=_number),
+                    work / "reproduction.html",
+                )
+            written = [f"{figures}, reproduction.html and reproduction.json in {output}"]
+        tell(self.found, self.show, plain, as_json=as_json, written=written)
+
+
+def _number(figure: Path) -> int:
+    return int(figure.stem.removeprefix("figure-"))
+
+
+def _pashkevich(progress: Progress, *, full: bool) -> _Done[Reproduction]:
+    from stiffkit.cli.reproduced import entry_table, row_tables
+    from stiffkit.reproduce import reproduce as compute
+
+    return _Done(
+        compute(full=full, progress=progress),
+        _show,
+        _content,
+        _write_figures,
+        lambda found: [entry_table(found.entries), *row_tables(found.orthoglide.rows)],
+        "A. Pashkevich, A. Klimchik, D. Chablat, P. Wenger, Accuracy improvement for stiffness"
+        " modeling of parallel manipulators, 42nd CIRP Conference on Manufacturing Systems, 2009",
+    )
+
+
+def _briot(progress: Progress) -> _Done[Briot2009]:
+    from stiffkit.cli.reproduced import statement_table
+    from stiffkit.cli.reproducing_briot import show_statements, write_figures
+    from stiffkit.reproduce import reproduce_briot_2009
+
+    return _Done(
+        reproduce_briot_2009(progress=progress),
+        lambda found: show_statements(found.statements),
+        lambda found: found.as_json(),
+        write_figures,
+        lambda found: [statement_table(found.statements)],
+        "S. Briot, A. Pashkevich, D. Chablat, On the optimal design of parallel robots taking into"
+        " account their deformations and natural frequencies, ASME IDETC/CIE 2009",
+    )
+
+
+def _content(found: Reproduction) -> dict[str, Any]:
     from stiffkit.reproduce import cantilever_as_json
 
     content: dict[str, Any] = {
-        "paper": paper,
         "entries": [entry.as_json() for entry in found.entries],
         "orthoglide": found.orthoglide.as_json(),
     }

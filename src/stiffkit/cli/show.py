@@ -16,6 +16,7 @@ from stiffkit.robot import DIRECTIONS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
+    from pathlib import Path
 
     from numpy.typing import NDArray
 
@@ -40,11 +41,21 @@ def tell(
 ) -> None:
     """Print a result and lines on what was ``written``, or only JSON of its plain values."""
     if as_json:
-        click.echo(json.dumps(plain(result), indent=1, allow_nan=False))
+        click.echo(json_text(plain(result)))
         return
     show(result)
     for line in written:
         click.echo(line)
+
+
+def json_text(plain: Any) -> str:
+    """Return plain values as JSON. Raises ValueError if a number is not finite."""
+    return json.dumps(plain, indent=1, allow_nan=False)
+
+
+def write_json(path: Path, plain: Any) -> None:
+    """Write plain values as JSON. Raises ValueError if a number is not finite."""
+    path.write_text(json_text(plain) + "\n", encoding="utf-8")
 
 
 def show_summary(summary: Summary) -> None:

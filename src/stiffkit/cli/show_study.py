@@ -10,7 +10,7 @@ import numpy as np
 from stiffkit.cli.show import heading
 from stiffkit.errors import StiffkitError
 from stiffkit.files.names import suggest
-from stiffkit.study.quantities import needs_load
+from stiffkit.study import QUANTITIES
 from stiffkit.study.sweep import Column, StudyDirectory, StudySpec, describe
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ def chosen_column(spec: StudySpec, name: str | None) -> Column:
 
 def more_is_better(column: Column) -> bool:
     """Tell whether a larger value is the better one: stiff and fast is good, soft is bad."""
-    larger = not needs_load(column.quantity)
+    larger = not QUANTITIES[column.quantity].worst_is_largest
     return not larger if column.statistic == "share below" else larger
 
 

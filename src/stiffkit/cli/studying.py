@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import sys
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from stiffkit.cli.arguments import json_option
+from stiffkit.cli.arguments import json_option, output_option
 
 if TYPE_CHECKING:
     from stiffkit.study.sweep import Column, Executor, StudyDirectory
@@ -45,13 +45,7 @@ def study() -> None:
 
 @study.command()
 @click.argument("study_file", metavar="STUDY", type=click.Path(path_type=Path))
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path, file_okay=True),
-    default=None,
-    help="Directory for the study; by default stiffkit-NAME here.",
-)
+@output_option("Directory for the study; by default stiffkit-NAME here.")
 @_workers
 @_cluster
 @click.option(
@@ -122,14 +116,11 @@ def status(directory: Path, as_json: bool) -> None:
 
     Example:  stiffkit study status out/legs
     """
+    from stiffkit.cli.show import tell
     from stiffkit.cli.show_study import show_status, status_as_json
     from stiffkit.study.sweep import open_study
 
-    found = open_study(directory)
-    if as_json:
-        click.echo(json.dumps(status_as_json(found), indent=1, allow_nan=False))
-    else:
-        show_status(found)
+    tell(open_study(directory), show_status, status_as_json, as_json=as_json)
 
 
 def _executor(workers: int | None, cluster: str | None) -> Executor:
@@ -143,7 +134,7 @@ def _executor(workers: int | None, cluster: str | None) -> Executor:
 
 
 def _run(directory: StudyDirectory, executor: Executor, column: Column, as_json: bool) -> None:
-    from stiffkit.cli.show import progress
+    from stiffkit.cli.show import progress, tell
     from stiffkit.cli.show_study import show_table, table_as_json
     from stiffkit.study.sweep import run_study
 
@@ -158,8 +149,6 @@ def _run(directory: StudyDirectory, executor: Executor, column: Column, as_json:
             err=True,
         )
         sys.exit(130)
-    if as_json:
-        click.echo(json.dumps(table_as_json(directory, table, column), indent=1, allow_nan=False))
-        return
-    show_table(directory, table, column)
-    click.echo(f"table: {directory.table}")
+    show = partial(show_table, directory, column=column)
+    plain = partial(table_as_json, directory, column=column)
+    tell(table, show, plain, as_json=as_json, written=[f"table: {directory.table}"])

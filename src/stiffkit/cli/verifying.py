@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
@@ -19,9 +17,6 @@ from stiffkit.cli.arguments import (
     tool_pose,
 )
 from stiffkit.errors import PoseError
-
-if TYPE_CHECKING:
-    from stiffkit.verify import Verification
 
 
 @click.command()
@@ -82,10 +77,11 @@ def verify(
     """
     postures, largest = [tool_pose((one,)) for one in at], _size(size)
     given = set_values(settings)
-    from stiffkit.cli.show import progress
+    from stiffkit.cli.show import progress, tell, write_json
+    from stiffkit.cli.show_verified import show_verification
     from stiffkit.robot import load_robot
     from stiffkit.study import VERIFICATION, whole_directory
-    from stiffkit.verify import Resolution, verify_postures
+    from stiffkit.verify import Resolution, Verification, verify_postures
 
     target = nullcontext() if output is None else whole_directory(output, VERIFICATION)
     with target as work, progress(sys.stderr.isatty()) as report:
@@ -98,15 +94,10 @@ def verify(
             allow_gaps=allow_gaps,
             progress=report,
         )
-        text = json.dumps(found.as_json(), indent=1, allow_nan=False)
         if work is not None:
-            (work / "verify.json").write_text(text + "\n", encoding="utf-8")
-    if as_json:
-        click.echo(text)
-        return
-    _show(found)
-    if output is not None:
-        click.echo(f"verify.json in {output}")
+            write_json(work / "verify.json", found.as_json())
+    written = [] if output is None else [f"verify.json in {output}"]
+    tell(found, show_verification, Verification.as_json, as_json=as_json, written=written)
 
 
 def _size(text: str | None) -> float | None:
@@ -119,9 +110,3 @@ def _size(text: str | None) -> float | None:
     if not size > 0.0:
         raise PoseError(f"elements of {text} cannot be", mend="give a positive --size, such as 8mm")
     return size
-
-
-def _show(found: Verification) -> None:
-    from stiffkit.cli.show_verified import show_verification
-
-    show_verification(found)

@@ -7,6 +7,7 @@ import os
 import warnings
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
+from dataclasses import dataclass
 from functools import cache
 from typing import Any, Literal
 
@@ -14,17 +15,15 @@ import numpy as np
 
 from stiffkit.compiled.kernel import Array, Kernel
 from stiffkit.errors import StiffkitError
-from stiffkit.smallmat import Vector, as_objects, vector
+from stiffkit.smallmat import as_objects, vector
 
 Backend = Literal["auto", "heyoka", "numpy"]
 
-CHUNK = 1024
-"""Postures per call of compiled code: inputs, constants and outputs then stay in the L2 cache."""
+LARGEST_CHUNK = 8192
+"""Postures per call of compiled code: as many as maps compute at a time, so that small kernels need
+no copies. Large ones take less, whose inputs, constants and outputs stay in the cache."""
 
-LARGEST_CHUNK = 4096
-"""The same for small kernels, which would take less time than calling them."""
-
-_WORKING_SET = 1 << 20
+_WORKING_SET = 1 << 21
 """Bytes of inputs, constants and outputs of one call."""
 
 LANES = 8
@@ -35,7 +34,7 @@ by other machine code."""
 WORTH_COMPILING = 4096
 """Postures after which "auto" compiles: interpreting them costs about as much as compiling."""
 
-WORTH_COMPILING_LARGE = 200_000
+WORTH_COMPILING_LARGE = 50_000
 """The same for large kernels, which take seconds to compile."""
 
 INTERPRETED_CHUNK = 4096
@@ -119,35 +118,12 @@ class BatchFunction:
 
     def compile(self) -> Any:
         """Return the compiled function, out of the cache if the topology has been met before."""
-        key = self._key
-        if key in _compiled:
-            _compiled.move_to_end(key)
-        else:
-            _compiled[key] = self._trace()
-            while len(_compiled) > _CACHE_SIZE:
-                _compiled.popitem(last=False)
-        return _compiled[key]
+        return compiled_once(self._key, self._compile)
 
-    def _trace(self) -> Any:
-        import heyoka
-
-        # It would tell on standard output that its cache on disk cannot be written.
-        heyoka.set_logger_level_error()
-        inputs = heyoka.make_vars(*(f"x{i}" for i in range(self.kernel.n_inputs)))
-        inputs = vector(inputs if isinstance(inputs, list) else [inputs])
-        outputs = self.kernel.function(inputs, self._constant_scalars(heyoka))
-        expressions = [
-            heyoka.expression(float(out)) if isinstance(out, float) else out for out in outputs
-        ]
-        return heyoka.cfunc(expressions, list(inputs), compact_mode=self.kernel.large)
-
-    def _constant_scalars(self, heyoka: Any) -> Vector:
-        free = 0
-        scalars: list[Any] = []
-        for fixed in self._pattern:
-            scalars.append(fixed if fixed is not None else heyoka.par[free])
-            free += fixed is None
-        return vector(scalars)
+    def _compile(self) -> Any:
+        heyoka = quiet_heyoka()
+        trace = Trace.of(self.kernel, self._pattern)
+        return heyoka.cfunc(trace.outputs, trace.inputs, compact_mode=self.kernel.large)
 
     @property
     def _free_values(self) -> Array:
@@ -174,6 +150,55 @@ class BatchFunction:
             for row, out in zip(chunks[-1], outputs, strict=True):
                 row[:] = out
         return np.concatenate(chunks, axis=1)
+
+
+def compiled_once(key: Hashable, make: Callable[[], Any]) -> Any:
+    """Return a compiled function, out of the cache if the topology has been met before."""
+    if key in _compiled:
+        _compiled.move_to_end(key)
+    else:
+        _compiled[key] = make()
+        while len(_compiled) > _CACHE_SIZE:
+            _compiled.popitem(last=False)
+    return _compiled[key]
+
+
+def quiet_heyoka() -> Any:
+    """Return the library, which would tell on standard output that it cannot write its cache."""
+    import heyoka
+
+    heyoka.set_logger_level_error()
+    return heyoka
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """A kernel as expressions."""
+
+    inputs: list[Any]
+    outputs: list[Any]
+    parameters: list[Any]
+    """The constants that are inputs of the compiled function, in order."""
+
+    @staticmethod
+    def of(kernel: Kernel, pattern: tuple[float | None, ...]) -> Trace:
+        """Run a kernel on expressions; ``pattern`` has the constants that are compiled in."""
+        heyoka = quiet_heyoka()
+        inputs = variables("x", kernel.n_inputs)
+        parameters = [heyoka.par[i] for i in range(sum(fixed is None for fixed in pattern))]
+        free = iter(parameters)
+        constants = vector(next(free) if fixed is None else fixed for fixed in pattern)
+        outputs = [
+            heyoka.expression(out) if isinstance(out, float) else out
+            for out in kernel.function(vector(inputs), constants)
+        ]
+        return Trace(inputs, outputs, parameters)
+
+
+def variables(name: str, n: int) -> list[Any]:
+    """Return ``n`` variables of expressions."""
+    found = quiet_heyoka().make_vars(*(f"{name}{i}" for i in range(n)))
+    return found if isinstance(found, list) else [found]
 
 
 class _Compiled:
@@ -212,7 +237,7 @@ class _Compiled:
 def chunk_of(numbers: int) -> int:
     """Return how many postures to compute at a time, each with so many numbers in and out."""
     chunk = LARGEST_CHUNK
-    while chunk > LARGEST_CHUNK // 16 and chunk * numbers * 8 > _WORKING_SET:
+    while chunk > LARGEST_CHUNK // 32 and chunk * numbers * 8 > _WORKING_SET:
         chunk //= 2
     return chunk
 

@@ -81,6 +81,10 @@ class Constants:
         """Name of each block, and where it starts."""
         return tuple((name, where.start) for name, (where, _) in self._blocks.items())
 
+    def where(self, name: str) -> slice:
+        """Return where a block stands among the numbers."""
+        return self._blocks[name][0]
+
     def read(self, c: Vector, name: str) -> Matrix:
         """Return a block out of the vector ``c`` that a kernel was given."""
         where, shape = self._blocks[name]

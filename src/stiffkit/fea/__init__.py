@@ -8,13 +8,20 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from stiffkit.fea.cad_link import CadLink, link_from_cad
     from stiffkit.fea.child import is_installed
-    from stiffkit.fea.elasticity import SolveSettings
     from stiffkit.fea.estimate import relative_difference
     from stiffkit.fea.geometry import Face, Part, Solid, build_part, read_step
-    from stiffkit.fea.interfaces import FacePick, Interface, Port, find_ports, pick_faces
+    from stiffkit.fea.interfaces import (
+        FacePick,
+        Interface,
+        Port,
+        find_ports,
+        named_ports,
+        pick_faces,
+    )
     from stiffkit.fea.link_spec import LinkSpec, read_inline_spec, read_link_spec
     from stiffkit.fea.material import Law, Orthotropic
     from stiffkit.fea.mesh import MeshSettings, PartMesh, coarse_settings, mesh_part
+    from stiffkit.fea.settings import SolveSettings
     from stiffkit.fea.sources import CadFile, PythonPart, RegisteredPart, write_step
     from stiffkit.fea.superelement import PortModel, reduce_part
 
@@ -24,7 +31,7 @@ _HOMES = {
     "CadLink": "cad_link",
     "link_from_cad": "cad_link",
     "is_installed": "child",
-    "SolveSettings": "elasticity",
+    "SolveSettings": "settings",
     "relative_difference": "estimate",
     "Face": "geometry",
     "Part": "geometry",
@@ -35,6 +42,7 @@ _HOMES = {
     "Interface": "interfaces",
     "Port": "interfaces",
     "find_ports": "interfaces",
+    "named_ports": "interfaces",
     "pick_faces": "interfaces",
     "LinkSpec": "link_spec",
     "read_inline_spec": "link_spec",
@@ -77,6 +85,7 @@ __all__ = [
     "is_installed",
     "link_from_cad",
     "mesh_part",
+    "named_ports",
     "pick_faces",
     "read_inline_spec",
     "read_link_spec",

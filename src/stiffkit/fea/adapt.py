@@ -13,7 +13,6 @@ import numpy as np
 from stiffkit.errors import CadError
 from stiffkit.fea.child import TIMEOUT
 from stiffkit.fea.choice import choose
-from stiffkit.fea.elasticity import SolveSettings
 from stiffkit.fea.estimate import convergence, geometry_error, whitening
 from stiffkit.fea.geometry import Part
 from stiffkit.fea.interfaces import Port
@@ -21,6 +20,7 @@ from stiffkit.fea.material import Law
 from stiffkit.fea.memory import Fill
 from stiffkit.fea.mesh import MeshSettings, PartMesh, bisect_mesh, coarse_settings, mesh_part
 from stiffkit.fea.orders import Orders
+from stiffkit.fea.settings import SolveSettings
 from stiffkit.fea.superelement import PortModel, reduce_part
 from stiffkit.spatial.rotation import Array
 

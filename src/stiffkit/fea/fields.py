@@ -42,7 +42,7 @@ def face_field(model: PortModel, port: int, frame: Frame | None = None) -> Field
     from ngsolve import CF, TRIG, IntegrationRule, specialcf, x, y, z
 
     body, faces = model.solver.body, model.ports[port].faces
-    order, space = body.settings.order, body.functions().mesh
+    order, space = body.settings.order, body.space_mesh
     # The rule that the loads and readings of an average port were integrated by.
     rule = IntegrationRule(TRIG, 2 * order + 2)
     n_triangles = int(np.isin(body.mesh.triangle_face, faces).sum())
@@ -75,7 +75,7 @@ def node_field(
     from ngsolve import IntegrationRule
 
     body = model.solver.body
-    mesh, space = body.mesh, body.functions().mesh
+    mesh, space = body.mesh, body.space_mesh
     count = 10 if body.settings.order > 1 else 4
     tets = mesh.tets[:, :count]
     rows = np.flatnonzero(np.isin(tets, nodes))

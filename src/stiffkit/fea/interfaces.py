@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 
@@ -133,6 +133,11 @@ def find_ports(part: Part, interfaces: Sequence[Interface]) -> tuple[Port, ...]:
                     mend="let each face belong to one interface",
                 )
     return ports
+
+
+def named_ports(part: Part, kinds: Mapping[str, str]) -> tuple[Port, ...]:
+    """Return ports at the faces of these names, each of its kind. Raises what `find_ports` does."""
+    return find_ports(part, [Interface(n, FacePick(names=(n,)), kind) for n, kind in kinds.items()])
 
 
 def pick_faces(part: Part, pick: FacePick, *, what: str = "the pick") -> tuple[Face, ...]:

@@ -7,13 +7,14 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from stiffkit.errors import CadError
-from stiffkit.fea.elasticity import Elasticity, SolveSettings
+from stiffkit.fea.displacement import products
+from stiffkit.fea.elasticity import Elasticity
 from stiffkit.fea.interfaces import Port
 from stiffkit.fea.lanczos import lowest_modes
 from stiffkit.fea.material import Law
 from stiffkit.fea.mesh import PartMesh
 from stiffkit.fea.rigid import check_apart, rehold
+from stiffkit.fea.settings import SolveSettings
 from stiffkit.spatial.rotation import Array
 from stiffkit.spatial.twist import twist_shift
 
@@ -61,24 +62,24 @@ class Reduction:
         """Find the motions under unit displacements of rigid and unit loads on average ports."""
         body = self.body
         X = {i: self._carry(i) for i in self._others}
-        readings = [self._reading(i) for i in self._loaded]
+        readings = [body.reading(self.ports[i]) for i in self._loaded]
         if not self._has_rigid:
-            self._ref_reading = self._reading(self._ref)
+            self._ref_reading = body.reading(self.ports[self._ref])
             readings = [
                 R - self._ref_reading @ X[i].T for i, R in zip(self._loaded, readings, strict=True)
             ]
         shape = (body.n_nodes, 3, 0)
         self._R = np.concatenate([np.zeros(shape), *readings], axis=2)
         self._Y = body.solve(self._R)
-        raw = _dot(self._R, self._Y)
+        raw = products(self._R, self._Y)
         # Equal to the energy, symmetric, and second-order in the solver's error.
-        C = raw + raw.T - _dot(self._Y, body.apply_stiffness(self._Y))
+        C = raw + raw.T - products(self._Y, body.apply_stiffness(self._Y))
         self._C = 0.5 * (C + C.T)
         scale = np.sqrt(np.abs(np.diag(self._C)))
         self.asymmetry = float(np.max(np.abs(raw - raw.T) / np.outer(scale, scale), initial=0.0))
         self._U = self._moved_fields()
-        self._G = _dot(self._R, self._U)
-        S = _dot(self._U, body.apply_stiffness(self._U))
+        self._G = products(self._R, self._U)
+        S = products(self._U, body.apply_stiffness(self._U))
         self._S = 0.5 * (S + S.T)
 
     def _moved_fields(self) -> Array:
@@ -93,20 +94,6 @@ class Reduction:
     def _carry(self, port: int) -> Array:
         """Return X (6, 6): twist of the reference port to that of a port, for a rigid part."""
         return twist_shift(self.ports[port].point - self.ports[self._ref].point)
-
-    def _reading(self, port: int) -> Array:
-        """Return the loads (n, 3, 6) of unit wrenches, which are the readings of the twist too."""
-        faces, point = self.ports[port].faces, self.ports[port].point
-        L = self.body.face_functionals(faces, point)
-        G = _dot(L, self.body.rigid_motions(point))
-        size = np.sqrt(np.diag(G))
-        if np.linalg.cond(G / np.outer(size, size)) > 1e12:
-            raise CadError(
-                f"interface {self.ports[port].name}: its faces are too small or too thin to tell "
-                "a rotation from",
-                mend="add faces to it",
-            )
-        return np.asarray(L @ np.linalg.inv(G))
 
     @property
     def load_fields(self) -> Array:
@@ -154,7 +141,7 @@ class Reduction:
         inverse = np.linalg.inv(self._C)
         loaded = self._Y @ inverse
         if not self._has_rigid:
-            loaded = loaded - rigid @ _dot(self._ref_reading, loaded)
+            loaded = loaded - rigid @ products(self._ref_reading, loaded)
         solved = np.concatenate([self._U - loaded @ self._G, loaded], axis=2)
         relative = solved[:, :, self._order()]
         out = np.empty((self.body.n_nodes, 3, 6 * len(ports)))
@@ -172,9 +159,9 @@ class Reduction:
             rigid = self.body.rigid_motions(self.ports[self._ref].point)
             balance = self._ref_reading @ np.einsum("nck,nc->k", rigid, load)
             u = self.body.solve((load - balance)[:, :, None])
-        u = u - self._Y @ np.linalg.solve(self._C, _dot(self._R, u))
+        u = u - self._Y @ np.linalg.solve(self._C, products(self._R, u))
         if not self._has_rigid:
-            u = u - rigid @ _dot(self._ref_reading, u)
+            u = u - rigid @ products(self._ref_reading, u)
         return np.asarray(u[:, :, 0])
 
     def modes(self, n_modes: int) -> tuple[Array, Array]:
@@ -188,7 +175,7 @@ class Reduction:
         if n_modes:
             values, shapes = self._lowest_modes(n_modes)
             fields = np.concatenate([fields, shapes], axis=2)
-        M = _dot(fields, self.body.apply_mass(fields))
+        M = products(fields, self.body.apply_mass(fields))
         return values, 0.5 * (M + M.T)
 
     def _lowest_modes(self, n_modes: int) -> tuple[Array, Array]:
@@ -202,9 +189,3 @@ class Reduction:
 
         values, shapes = lowest_modes(mass, response, 3 * n, n_modes)
         return values, shapes.reshape(n, 3, n_modes)
-
-
-def _dot(a: Array, b: Array) -> Array:
-    """Return the products (j, k) of fields (n, 3, j) and (n, 3, k)."""
-    rows = a.shape[0] * a.shape[1]
-    return np.asarray(a.reshape(rows, a.shape[2]).T @ b.reshape(rows, b.shape[2]))

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from stiffkit.fea.discretisation import Discretisation
-from stiffkit.fea.elasticity import SolveSettings
 from stiffkit.fea.geometry import Part
 from stiffkit.fea.interfaces import Port
 from stiffkit.fea.link_spec import LinkSpec, blamed_on
 from stiffkit.fea.material import Law
 from stiffkit.fea.mesh import MeshSettings, PartMesh, mesh_part
 from stiffkit.fea.prepared import laws_of, ports_of, read_part
+from stiffkit.fea.settings import SolveSettings
 from stiffkit.fea.solve import BASE
 from stiffkit.fea.superelement import reduce_part
 from stiffkit.link import Superelement

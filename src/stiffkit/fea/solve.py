@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from stiffkit.fea.adapt import Adapted, AdaptSettings, Level, adapt
-from stiffkit.fea.elasticity import SolveSettings
 from stiffkit.fea.estimate import relative_difference
 from stiffkit.fea.geometry import Part
 from stiffkit.fea.interfaces import Port
@@ -19,6 +18,7 @@ from stiffkit.fea.material import Law
 from stiffkit.fea.mesh import MeshSettings, PartMesh, mesh_part
 from stiffkit.fea.prepared import laws_of, ports_of, read_part
 from stiffkit.fea.reading import describe_readings
+from stiffkit.fea.settings import SolveSettings
 from stiffkit.fea.solved import Solved, Step
 from stiffkit.fea.superelement import PortModel, reduce_part
 from stiffkit.fea.surface_fields import surface_of

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from stiffkit.fea.arrays import MeshArrays
-from stiffkit.fea.elasticity import SolveSettings
 from stiffkit.fea.mesh import MeshSettings, PartMesh
 from stiffkit.fea.meshcheck import MeshCheck
+from stiffkit.fea.settings import SolveSettings
 from stiffkit.fea.surface_fields import Surface
 from stiffkit.link import Superelement
 from stiffkit.spatial.frame import Frame

@@ -8,12 +8,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from stiffkit.errors import CadError
-from stiffkit.fea.elasticity import SolveSettings
 from stiffkit.fea.interfaces import Port
 from stiffkit.fea.material import Law
 from stiffkit.fea.mesh import PartMesh
 from stiffkit.fea.reduction import Reduction
 from stiffkit.fea.rigid import relative_twists
+from stiffkit.fea.settings import SolveSettings
 from stiffkit.link.superelement import Superelement
 from stiffkit.spatial.frame import Frame
 from stiffkit.spatial.rotation import Array

@@ -35,6 +35,7 @@ from stiffkit.kinematics.locate import Located, add_geometry
 from stiffkit.kinematics.tree import SpanningTree
 from stiffkit.robot import DIRECTIONS
 from stiffkit.smallmat import (
+    Factors,
     Matrix,
     Scalar,
     Vector,
@@ -111,6 +112,7 @@ class ClosureEquations:
             self._fill(rows, opaque, self._known_constants(any_geometry))
         self.elimination_order = _elimination_order(rows.jacobian)
         """Order of the unknowns in which the normal matrix stays sparse."""
+        self._order_of_equations = _elimination_order(rows.jacobian.T)
         return [not trivial for trivial in rows.holds_identically]
 
     def _known_constants(self, any_geometry: bool) -> Vector:
@@ -124,7 +126,13 @@ class ClosureEquations:
     def topology(self) -> Hashable:
         """What decides the shape of kernels made of these equations, apart from constants."""
         # Whether an equation holds identically may be due to constants, such as equal angles.
-        return (self.tree.topology, self.asked, tuple(self._kept), tuple(self.elimination_order))
+        orders = (tuple(self.elimination_order), tuple(self._order_of_equations))
+        return (self.tree.topology, self.asked, tuple(self._kept), *orders)
+
+    @property
+    def n_equations(self) -> int:
+        """Equations that do not hold identically."""
+        return sum(self._kept)
 
     @property
     def n_unknowns(self) -> int:
@@ -196,10 +204,7 @@ class ClosureEquations:
             A = zeros(*eq.jacobian.shape)
             for position, j in enumerate(self.elimination_order):
                 A[:, position] = scale(length if translates[j] else 1.0, eq.jacobian[:, j])
-            normal = gram(A)
-            for j in range(n):
-                normal[j, j] = add(normal[j, j], DAMPING)
-            factors = factor(normal)
+            factors = _damped(gram(A))
             solution = factors.solve(matmul(A.T, scale(-1.0, eq.residuals)))
             response = factors.solve(matmul(A.T, _disturbance(len(eq.residuals))))
             improved = inputs[:n].copy()
@@ -215,6 +220,47 @@ class ClosureEquations:
             self.constants,
             self.topology,
         )
+
+    def residuals(self) -> Kernel:
+        """Return the kernel of the equations.
+
+        Inputs: unknowns (SI), then the values asked for. Outputs: the residuals, unit-free.
+        """
+
+        def residuals(inputs: Vector, c: Vector) -> Vector:
+            return self.equations(inputs, c).residuals
+
+        n_inputs = self.n_unknowns + len(self.asked)
+        return Kernel("closure", residuals, n_inputs, self.constants, self.topology)
+
+    def multipliers(self) -> Kernel:
+        """Return the kernel of how much each equation's violation would change a function.
+
+        Inputs: unknowns (SI), the values asked for, and the derivatives of the function by the
+        unknowns. Outputs: its derivatives by the residuals, for unknowns that follow these by the
+        smallest step. They are the adjoint's right side in the implicit function theorem.
+        """
+        n = self.n_unknowns
+        n_inputs = n + len(self.asked)
+        order = self._order_of_equations
+
+        def multipliers(inputs: Vector, c: Vector) -> Vector:
+            length = self.constants.read(c, "length")[0]
+            eq = self.equations(inputs[:n_inputs], c)
+            units = [length if translates else 1.0 for translates in self.translates]
+            A = zeros(*eq.jacobian.shape)
+            for position, row in enumerate(order):
+                for j in range(n):
+                    A[position, j] = multiply(units[j], eq.jacobian[row, j])
+            gradient = vector(multiply(u, x) for u, x in zip(units, inputs[n_inputs:], strict=True))
+            # By the rows, so that motions that are left free drop out before anything is divided.
+            found = _damped(gram(A.T)).solve(matmul(A, gradient))
+            multipliers = zeros(len(order))
+            for position, row in enumerate(order):
+                multipliers[row] = found[position]
+            return multipliers
+
+        return Kernel("multipliers", multipliers, n_inputs + n, self.constants, self.topology)
 
     def observation(self) -> Kernel:
         """Return the kernel that reads a posture.
@@ -275,6 +321,13 @@ def tool_jacobian(
 def _disturbance(n: int) -> Vector:
     """Return residuals (n,) that have a part in any direction: the golden angle never repeats."""
     return vector(math.cos(2.399963 * i) for i in range(n))
+
+
+def _damped(normal: Matrix) -> Factors:
+    """Return the factors of a normal matrix with `DAMPING`."""
+    for j in range(len(normal)):
+        normal[j, j] = add(normal[j, j], DAMPING)
+    return factor(normal)
 
 
 def _elimination_order(A: Matrix) -> list[int]:

@@ -131,7 +131,7 @@ class Tracker:
                 break
             # A further step does no harm to what has settled, and costs less than moving the rest.
             if left < _FULL * going.size:
-                found[:, here] = x[:n]
+                _put(found, here, x[:n])
                 stay = np.flatnonzero(going)
                 x, first, response = (np.take(A, stay, axis=1) for A in (x, first, response))
                 here, going, limit = here[stay], going[stay], limit[stay]
@@ -253,9 +253,9 @@ class _Spread:
         over_blocks(targets.size, BLOCK, lambda b: self.follow(known, targets[b], sources[b]))
 
     def follow(self, known: _Known, targets: Indices, sources: Indices) -> None:
-        end = self.asked[:, targets]
-        found = self.tracker.follow(known.q[:, sources], known.asked[:, sources], end)
-        self.q[:, targets] = found.q
+        start = np.take(known.q, sources, axis=1), np.take(known.asked, sources, axis=1)
+        found = self.tracker.follow(*start, _columns(self.asked, targets))
+        _put(self.q, targets, found.q)
         self.reached[targets] = found.reached
         self.leads_on[targets] = found.reached & ~found.at_limit
 
@@ -299,7 +299,9 @@ def _put(A: Array, which: Indices, columns: Array) -> None:
     if which.size == A.shape[1]:
         A[:] = columns
     else:
-        A[:, which] = columns
+        # Row by row, which NumPy does twice as fast as all rows at once.
+        for row, values in zip(A, columns, strict=True):
+            row[which] = values
 
 
 def same_branch(first: Array, last: Array) -> Mask:

@@ -33,6 +33,12 @@ class Line:
         """m."""
         return float(np.linalg.norm(self.tip))
 
+    def compliance(self, length: float) -> Array:
+        """Return the compliance (6, 6) of the end of a piece, ``length`` m, with its start held."""
+        h, N, kappa = length, self.carry(), self.flexibility
+        bent = N @ kappa
+        return np.asarray(h * kappa + h**2 / 2 * (bent + bent.T) + h**3 / 3 * bent @ N.T)
+
     def carry(self) -> Array:
         """Return N (6, 6): the twist at a point ``a`` metres further is ``(I + a N) twist``."""
         N = np.zeros((6, 6))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,9 @@ from stiffkit.spatial.rotation import Array
 
 _MASSLESS = 1e-12
 """Modes whose squared period is below this share of the longest one have no mass but rounding."""
+
+_EQUAL = 1e-7
+"""Squared frequencies as near as this, over their size, are equal."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +50,10 @@ def craig_bampton(
     M_inner = held.T @ M[np.ix_(inner, inner)] @ held
     pull = held.T @ (K[np.ix_(inner, ports)] + K[np.ix_(inner, inner)] @ carried)
     follow = carried - held @ np.linalg.solve(K_inner, pull)
-    values, modes = _lowest_modes(K_inner, M_inner, n_modes)
+    values, modes = _modes(K_inner, M_inner)
+    pull_of_modes = (M[np.ix_(ports, inner)] + follow.T @ M[np.ix_(inner, inner)]) @ held @ modes
+    modes = _settled(values, modes, pull_of_modes)
+    values, modes = values[:n_modes], modes[:, :n_modes]
     p = ports.size
     basis = np.zeros((len(K), p + values.size))
     basis[ports, :p] = np.eye(p)
@@ -68,7 +75,7 @@ def _held_by(
     return np.asarray(null_space(ties[:, inner])), np.asarray(carried)
 
 
-def _lowest_modes(K: Array, M: Array, n: int | None) -> tuple[Array, Array]:
+def _modes(K: Array, M: Array) -> tuple[Array, Array]:
     """Return squared angular frequencies (n,) and modes (m, n) of unit modal mass, lowest first.
 
     M may be singular, as that of a line without moment of inertia about itself: what has no mass
@@ -81,5 +88,23 @@ def _lowest_modes(K: Array, M: Array, n: int | None) -> tuple[Array, Array]:
     # The stiffness is the definite one of the two; the eigenvalues are 1/omega^2.
     inverses, modes = eigh(M, K)
     massive = inverses > _MASSLESS * inverses.max(initial=0.0)
-    inverses, modes = inverses[massive][::-1][:n], modes[:, massive][:, ::-1][:, :n]
+    inverses, modes = inverses[massive][::-1], modes[:, massive][:, ::-1]
     return 1.0 / inverses, modes / np.sqrt(inverses)
+
+
+def _settled(values: Array, modes: Array, pull: Array) -> Array:
+    """Return modes (m, n), turned among each other where their frequencies are equal.
+
+    Any mixture of modes of one frequency is a mode. Of theirs the first is made the one that alone
+    pulls at the first port along x, and so on, by ``pull`` (p, n). So which ones are kept does not
+    hang on rounding, and they change smoothly with the structure.
+    """
+    settled = modes.copy()
+    starts = np.flatnonzero(np.r_[True, np.diff(values) > _EQUAL * values[:-1]])
+    for start, end in itertools.pairwise([*starts, values.size]):
+        own = pull[:, start:end]
+        sizes = np.linalg.norm(own, axis=1)
+        if end - start > 1 and sizes.any():
+            Q, _ = np.linalg.qr(own[sizes > 1e-3 * sizes.max()].T, mode="complete")
+            settled[:, start:end] = modes[:, start:end] @ Q
+    return settled

@@ -115,7 +115,7 @@ def _element(line: Line, h: float) -> tuple[Array, list[Array]]:
     """
     N, kappa = line.carry(), line.flexibility
     eye = np.eye(6)
-    inverse = np.linalg.inv(_piece_compliance(line, h))
+    inverse = np.linalg.inv(line.compliance(h))
     relative = np.hstack([-(eye + h * N), eye])
     shapes = []
     for point in _GAUSS[0]:
@@ -132,12 +132,6 @@ def _element(line: Line, h: float) -> tuple[Array, list[Array]]:
         shape[:, :6] += eye + s * N
         shapes.append(shape)
     return relative.T @ inverse @ relative, shapes
-
-
-def _piece_compliance(line: Line, h: float) -> Array:
-    """Return the compliance (6, 6) of the end of a piece of a line with its start held."""
-    N, kappa = line.carry(), line.flexibility
-    return np.asarray(h * kappa + h**2 / 2 * (N @ kappa + kappa @ N.T) + h**3 / 3 * N @ kappa @ N.T)
 
 
 def lumped_superelement(
@@ -159,7 +153,7 @@ def lumped_superelement(
     # Element 0 is followed at the base, the last one at the tip, the others at their middles.
     reads = np.array([0.0, *(springs[:-1] + springs[1:]) / 2.0, line.length])
     middle = eye - h / 2 * N
-    inverse = np.linalg.inv(middle @ _piece_compliance(line, h) @ middle.T)
+    inverse = np.linalg.inv(middle @ line.compliance(h) @ middle.T)
     size = 6 * n_bodies
     K, M = np.zeros((size, size)), np.zeros((size, size))
     for i, s in enumerate(springs):
@@ -215,7 +209,7 @@ def _reduced(
     reduced = craig_bampton(K, M, ports, n_modes, ties)
     # Without ties the line's own compliance is known free of rounding.
     compliance = (
-        _piece_compliance(line, line.length)
+        line.compliance(line.length)
         if ties is None
         else np.asarray(np.linalg.inv(reduced.stiffness[6:, 6:]))
     )

@@ -10,17 +10,12 @@ from stiffkit.plots.branches import (
     has_branches,
 )
 from stiffkit.plots.curves import curve_figure
+from stiffkit.plots.design_write import design_figures, write_design_figures
 from stiffkit.plots.draw import position_text
 from stiffkit.plots.maps import map_figure, model_comparison_figure
 from stiffkit.plots.modes import mode_figure, write_mode_figures
 from stiffkit.plots.parts import write_face_figure, write_link_figures
-from stiffkit.plots.quantities import (
-    QUANTITIES,
-    Quantity,
-    main_quantities,
-    quantities_of,
-    quantity_named,
-)
+from stiffkit.plots.quantities import main_quantities, quantities_of, quantity_named
 from stiffkit.plots.sweep import (
     OK,
     Columns,
@@ -38,8 +33,10 @@ from stiffkit.plots.sweep import (
     unit_of,
     values_of,
 )
+from stiffkit.plots.uncertainty_write import write_uncertainty_figures
 from stiffkit.plots.units import DisplayUnit, Kind, display_unit, format_value
 from stiffkit.plots.write import write_figures
+from stiffkit.study import QUANTITIES, Quantity
 
 __all__ = [
     "OK",
@@ -57,6 +54,7 @@ __all__ = [
     "cases_of",
     "columns_of",
     "curve_figure",
+    "design_figures",
     "display_unit",
     "format_value",
     "has_branches",
@@ -76,8 +74,10 @@ __all__ = [
     "sweep_of",
     "unit_of",
     "values_of",
+    "write_design_figures",
     "write_face_figure",
     "write_figures",
     "write_link_figures",
     "write_mode_figures",
+    "write_uncertainty_figures",
 ]

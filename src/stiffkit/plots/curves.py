@@ -67,7 +67,7 @@ def curve_figure(
     values = {model: unit.of(values_of(dataset, what, model, load)) for model in models}
     statuses = {model: status_of(dataset, model) for model in models}
     title = f"{what.label}, load {load}" if what.per_load else what.label
-    lines = _lines_through(sweep, middle_posture(statuses[models[0]]))
+    lines = lines_through(sweep, middle_posture(statuses[models[0]]))
     figure = style.new_figure(style.COLUMN if len(lines) == 1 else style.PAGE, 2.3)
     panels = figure.subplots(1, len(lines), sharey=True, squeeze=False)[0]
     scale = Scale.of(*(values[model][line.cut] for model in models for line in lines))
@@ -159,7 +159,7 @@ def draw_curves(
 
 
 @dataclass(frozen=True, eq=False)
-class _Line:
+class LineThrough:
     """A straight line through the workspace, or a list of points."""
 
     axis: str
@@ -172,12 +172,12 @@ class _Line:
     """Where it lies, in words."""
 
 
-def _lines_through(sweep: Sweep, middle: tuple[int, ...]) -> list[_Line]:
+def lines_through(sweep: Sweep, middle: tuple[int, ...]) -> list[LineThrough]:
     """Return a line along each axis of a grid, all through the posture at index ``middle``."""
     if not sweep.is_grid:
         axis = sweep.axes[0] if len(sweep.axes) == 1 else ""
         values = axis_unit(axis).of(sweep.coordinates[axis]) if axis else np.arange(sweep.count) + 1
-        return [_Line(axis, np.asarray(values, dtype=np.float64), (slice(None),), "")]
+        return [LineThrough(axis, np.asarray(values, dtype=np.float64), (slice(None),), "")]
     lines = []
     for k, axis in enumerate(sweep.axes):
         others = [
@@ -187,7 +187,7 @@ def _lines_through(sweep: Sweep, middle: tuple[int, ...]) -> list[_Line]:
         ]
         cut: tuple[int | slice, ...] = (*middle[:k], slice(None), *middle[k + 1 :])
         fixed = f"at {position_text(others)}" if others else ""
-        lines.append(_Line(axis, axis_unit(axis).of(sweep.coordinates[axis]), cut, fixed))
+        lines.append(LineThrough(axis, axis_unit(axis).of(sweep.coordinates[axis]), cut, fixed))
     return lines
 
 

@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 CONTOUR_POINTS = 200
 """Contour lines are drawn through at most this many postures along an axis."""
 
-_GAPS = {
+_GAPS: dict[int, tuple[str, str]] = {
     UNREACHABLE: (style.UNREACHABLE_HATCH, "out of reach"),
     SINGULAR: (style.SINGULAR, "singular"),
     UNCONTROLLED: (style.UNCONTROLLED, "uncontrolled"),

@@ -22,7 +22,7 @@ from stiffkit.plots.draw import (
     height_of,
     position_text,
 )
-from stiffkit.plots.quantities import Quantity, quantity_named
+from stiffkit.plots.quantities import quantity_named
 from stiffkit.plots.scale import Scale, add_colour_bar
 from stiffkit.plots.sweep import (
     Sweep,
@@ -36,6 +36,7 @@ from stiffkit.plots.sweep import (
     values_of,
 )
 from stiffkit.plots.units import DisplayUnit
+from stiffkit.study import Quantity
 
 Array = NDArray[np.float64]
 

@@ -7,10 +7,9 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from stiffkit.plots import style
+from stiffkit.robot import DIRECTIONS
 
 Array = NDArray[np.float64]
-
-_NAMES = ("x", "y", "z", "rx", "ry", "rz")
 
 
 @style.styled
@@ -28,7 +27,7 @@ def error_histograms(errors: Array, standard_deviations: Array) -> Figure:
         x = np.linspace(values.min(), values.max(), 200)
         density = np.exp(-0.5 * ((x - values.mean()) / sigma) ** 2) / (sigma * np.sqrt(2 * np.pi))
         axes.plot(x, density, color="#d55e00", linewidth=1.0)
-        axes.set_xlabel(f"error of {_NAMES[k]} ({unit})")
+        axes.set_xlabel(f"error of {DIRECTIONS[k]} ({unit})")
         axes.set_yticks([])
     heading = (
         "Errors of simulated deflections: how often (bars), and eq. 20 about their mean (line)"

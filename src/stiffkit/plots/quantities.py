@@ -1,88 +1,26 @@
-"""The quantities of a stiffness map that can be drawn, with what a reader has to know of each."""
+"""The quantities that a stiffness map holds, and the units in which a reader expects them."""
 
 from __future__ import annotations
-
-from collections.abc import Mapping
-from dataclasses import dataclass
-from types import MappingProxyType
 
 import xarray as xr
 
 from stiffkit.errors import OutputError
 from stiffkit.plots.units import Kind
+from stiffkit.study import QUANTITIES, Quantity
+from stiffkit.units import ANGLE, FREQUENCY, LENGTH, STIFFNESS_ROTATION, STIFFNESS_TRANSLATION
+
+_KINDS = {
+    LENGTH: Kind.DEFLECTION,
+    ANGLE: Kind.ROTATION,
+    STIFFNESS_TRANSLATION: Kind.STIFFNESS,
+    STIFFNESS_ROTATION: Kind.ROTATIONAL_STIFFNESS,
+    FREQUENCY: Kind.FREQUENCY,
+}
 
 
-@dataclass(frozen=True)
-class Quantity:
-    """A variable of the map with one number for each posture."""
-
-    name: str
-    """Name of the variable in the dataset."""
-    label: str
-    kind: Kind
-    per_load: bool
-    """Whether it depends on the load case."""
-    worst_is_largest: bool
-    """True for deflections, False for stiffnesses."""
-    scale: str
-    """Variable whose size says what is rounding error in this one."""
-
-
-def _deflection(name: str, label: str, kind: Kind, scale: str) -> Quantity:
-    return Quantity(name, label, kind, per_load=True, worst_is_largest=True, scale=scale)
-
-
-def _stiffness(name: str, label: str, kind: Kind) -> Quantity:
-    return Quantity(name, label, kind, per_load=False, worst_is_largest=False, scale=name)
-
-
-QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
-    {
-        quantity.name: quantity
-        for quantity in (
-            _deflection(
-                "deflection_translation",
-                "Deflection",
-                Kind.DEFLECTION,
-                "deflection_translation",
-            ),
-            _deflection(
-                "deflection_xy",
-                "Deflection in the xy plane",
-                Kind.DEFLECTION,
-                "deflection_translation",
-            ),
-            _deflection(
-                "deflection_z", "Deflection along z", Kind.DEFLECTION, "deflection_translation"
-            ),
-            _deflection(
-                "deflection_rotation", "Angular deflection", Kind.ROTATION, "deflection_rotation"
-            ),
-            _stiffness(
-                "stiffness_translation_min",
-                "Stiffness, weakest direction",
-                Kind.STIFFNESS,
-            ),
-            _stiffness(
-                "stiffness_translation_max",
-                "Stiffness, strongest direction",
-                Kind.STIFFNESS,
-            ),
-            _stiffness(
-                "stiffness_rotation_min",
-                "Rotational stiffness, weakest axis",
-                Kind.ROTATIONAL_STIFFNESS,
-            ),
-            _stiffness(
-                "stiffness_rotation_max",
-                "Rotational stiffness, strongest axis",
-                Kind.ROTATIONAL_STIFFNESS,
-            ),
-            _stiffness("frequency_first", "Lowest natural frequency", Kind.FREQUENCY),
-        )
-    }
-)
-"""By name, in the order in which figures and reports list them."""
+def kind_of(quantity: Quantity) -> Kind:
+    """Return what the numbers of a quantity are to a reader."""
+    return _KINDS[quantity.dimension]
 
 
 def quantity_named(dataset: xr.Dataset, name: str) -> Quantity:

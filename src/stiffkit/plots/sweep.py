@@ -11,15 +11,17 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from stiffkit.errors import OutputError
-from stiffkit.plots.quantities import Quantity
+from stiffkit.kinematics import Status
+from stiffkit.plots.quantities import kind_of
 from stiffkit.plots.units import DisplayUnit, Kind, display_unit
+from stiffkit.robot import DIRECTIONS
+from stiffkit.study import Quantity
 
 Array = NDArray[np.float64]
 
-DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
 POINT = "point"
 
-OK, UNREACHABLE, SINGULAR, UNCONTROLLED, OUTSIDE = range(5)
+OK, UNREACHABLE, SINGULAR, UNCONTROLLED, OUTSIDE = Status
 """The values of the map's status."""
 
 ROUNDING = 1e-9
@@ -141,7 +143,7 @@ class Columns:
     def unit(self) -> DisplayUnit:
         """The unit for the quantity, the same one for all models."""
         everything = np.concatenate([v.ravel() for v in self.values.values()])
-        return display_unit(self.quantity.kind, everything)
+        return display_unit(kind_of(self.quantity), everything)
 
     @cached_property
     def ratio(self) -> Array | None:

@@ -15,9 +15,10 @@ from stiffkit.plots import style
 from stiffkit.plots.branches import branch_figure, has_branches
 from stiffkit.plots.curves import curve_figure
 from stiffkit.plots.maps import map_figure, model_comparison_figure
-from stiffkit.plots.quantities import Quantity, main_quantities
+from stiffkit.plots.quantities import main_quantities
 from stiffkit.plots.sweep import cases_of, is_planar, loads_of, models_of, sweep_of, values_of
 from stiffkit.plots.thin import thinned
+from stiffkit.study import Quantity
 
 
 def write_figures(dataset: xr.Dataset, directory: Path) -> list[Path]:
@@ -49,7 +50,7 @@ def write_figures(dataset: xr.Dataset, directory: Path) -> list[Path]:
 def _figures(dataset: xr.Dataset) -> list[tuple[str, Callable[[], Figure]]]:
     models = models_of(dataset)
     has_surface = len(sweep_of(dataset).axes) > 1
-    slugs = _slugs(loads_of(dataset))
+    slugs = file_names(loads_of(dataset))
     figures: list[tuple[str, Callable[[], Figure]]] = []
     for quantity in main_quantities(dataset, planar=is_planar(dataset)):
         for load in cases_of(dataset, quantity):
@@ -84,7 +85,7 @@ def _tells_something(dataset: xr.Dataset, quantity: Quantity, model: str, load: 
     return bool((np.isfinite(values) & (values != 0.0)).any())
 
 
-def _slugs(names: tuple[str, ...]) -> dict[str, str]:
+def file_names(names: tuple[str, ...]) -> dict[str, str]:
     """Return a file name part for each load, no two alike even where case does not count."""
     slugs: dict[str, str] = {}
     for name in names:

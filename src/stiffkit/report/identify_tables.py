@@ -9,9 +9,9 @@ import numpy as np
 from stiffkit.identify import IdentifiedLink, estimator_word
 from stiffkit.link.checks import LOADS
 from stiffkit.plots import format_value
+from stiffkit.robot import DIRECTIONS
 from stiffkit.spatial.rotation import Array
 
-DEFLECTIONS = ("x", "y", "z", "rx", "ry", "rz")
 UNITS_SI = (("m/N", "1/N"), ("1/N", "1/(N m)"))
 UNITS_MM = (("mm/N", "1/N"), ("1/N", "1/(N mm)"))
 
@@ -23,7 +23,7 @@ def compliance_table(link: IdentifiedLink, *, millimetres: bool) -> str:
     units = UNITS_MM if millimetres else UNITS_SI
     head = "".join(f'<th scope="col">{load}</th>' for load in LOADS)
     rows = []
-    for i, name in enumerate(DEFLECTIONS):
+    for i, name in enumerate(DIRECTIONS):
         cells = "".join(
             f'<td class="{"sure" if link.significant[i, j] else "noise"}" '
             f'title="{escape(_title(link, i, j))}">{_power(k[i, j], 5)}'

@@ -16,16 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiffkit.fea import (
-    FacePick,
-    Interface,
     MeshSettings,
     Part,
     PartMesh,
     Port,
     PortModel,
     SolveSettings,
-    find_ports,
     mesh_part,
+    named_ports,
     reduce_part,
 )
 from stiffkit.fea.fields import CASES, face_nodes, node_field
@@ -153,7 +151,7 @@ def study_cantilever(
     """
     report = progress or no_progress
     bar = square_bar(LENGTH, WIDTH)
-    ends = _ends(bar)
+    ends = named_ports(bar, {"base": "clamped", "tip": "average"})
     levels: list[Level] = []
     left_out = [(m, "it takes minutes; --full solves it") for m in MESHINGS if m not in meshings]
     meshes: dict[float, PartMesh] = {}
@@ -175,13 +173,6 @@ def _mesh(bar: Part, size: float, known: dict[float, PartMesh]) -> PartMesh:
     if size not in known:
         known[size] = mesh_part(bar, MeshSettings(1e-3 * size))
     return known[size]
-
-
-def _ends(bar: Part) -> tuple[Port, ...]:
-    """Return the clamped end and the loaded one."""
-    kinds = {"base": "clamped", "tip": "average"}
-    picks = [Interface(name, FacePick(names=(name,)), kind) for name, kind in kinds.items()]
-    return find_ports(bar, picks)
 
 
 def _level(mesh: PartMesh, ends: tuple[Port, ...], meshing: Meshing) -> Level:

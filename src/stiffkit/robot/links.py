@@ -19,8 +19,10 @@ from stiffkit.link.given import read_compliance, read_inertia
 from stiffkit.link.line import beam_line
 from stiffkit.link.materials import Material
 from stiffkit.link.ports import TIP, read_ports
+from stiffkit.link.stretch import Stretch, read_stretch
 from stiffkit.link.written import read_material, read_section
 from stiffkit.progress import Progress
+from stiffkit.robot.families import Families, WithOthers
 from stiffkit.robot.memo import PartMemo
 from stiffkit.robot.model import BASE, Array, Link
 from stiffkit.spatial import Frame
@@ -37,11 +39,13 @@ def read_links(
     materials: Mapping[str, Material],
     progress: Progress | None = None,
     memo: PartMemo | None = None,
+    with_others: WithOthers | None = None,
 ) -> tuple[dict[str, Link], list[str]]:
     """Return the links by name, and notes on repairs and doubts.
 
-    ``progress`` is called while parts from CAD are solved; ``memo`` knows links read before. Raises
-    FileError where one of them cannot exist.
+    ``progress`` is called while parts from CAD are solved; ``memo`` knows links read before;
+    ``with_others`` gives all parameters with some replaced. Raises FileError where one of the links
+    cannot exist.
     """
     memo = memo or PartMemo()
     fields = _with_copies(entries)
@@ -50,7 +54,8 @@ def read_links(
     problems = Problems()
     for name, entry in entries.items():
         with problems.collect():
-            reader = _LinkReader(name, entry, fields[name], materials, progress)
+            families = Families(name, materials, progress, memo, with_others)
+            reader = _LinkReader(name, entry, fields[name], materials, progress, families)
             links[name], found = memo.get(
                 f"links.{name}", fields[name].values(), reader.read, *materials.values()
             )
@@ -102,12 +107,14 @@ class _LinkReader:
         fields: Fields,
         materials: Mapping[str, Material],
         progress: Progress | None,
+        families: Families,
     ) -> None:
         self.name = name
         self.entry = entry
         self.fields = fields
         self.materials = materials
         self.progress = progress
+        self.families = families
         self.notes: list[str] = []
 
     def read(self) -> tuple[Link, list[str]]:
@@ -169,7 +176,7 @@ class _LinkReader:
         ports = read_ports(entry)
         compliance, repairs = read_compliance(entry, list(ports))
         self.notes.extend(repairs)
-        return Link(
+        link = Link(
             self.name,
             {BASE: Frame(), **ports},
             compliance=compliance,
@@ -178,6 +185,21 @@ class _LinkReader:
             inertia=self.inertia(None),
             origin="compliance",
         )
+        scale = entry.get("scale")
+        return link if scale is None else self.stretched(link, read_stretch(scale, ports))
+
+    def stretched(self, link: Link, by: Stretch) -> Link:
+        if by.is_none or link.compliance is None:
+            return link
+        self.notes.append(by.words)
+        center, inertia = link.center_of_mass, link.inertia
+        return replace(
+            link,
+            compliance=by.compliance(link.compliance),
+            mass=None if link.mass is None else by.mass(link.mass),
+            center_of_mass=None if center is None else by.point(center),
+            inertia=None if inertia is None else by.inertia(inertia),
+        )
 
     def from_cad(self, entry: Entry) -> Link:
         # It takes long to import, and few robots need it.
@@ -185,6 +207,8 @@ class _LinkReader:
 
         if isinstance(entry.node.value, str):
             spec = read_link_spec(_find_spec(entry))
+        elif "between" in entry:
+            return self.from_file(self.families.link(entry), "cad, interpolated")
         else:
             spec = read_inline_spec(entry, self.name, self.materials)
         found = link_from_cad(spec, self.progress)

@@ -79,7 +79,13 @@ class RobotFile:
         if not link_entries:
             raise entry.error("the robot has no links", "add a section 'links'")
         joint_entries = read_parts(entry, "joints")
-        links, link_notes = read_links(link_entries, self._materials(entry), progress, self._memo)
+        links, link_notes = read_links(
+            link_entries,
+            self._materials(entry),
+            progress,
+            self._memo,
+            lambda others: self._parameters.replaced({**(parameters or {}), **others})[0],
+        )
         joints = read_joints(joint_entries, links, self._memo)
         if not self._connected:
             check_connected(joints, links, link_entries)
@@ -107,6 +113,13 @@ class RobotFile:
             lines={section: given.node.line for section, given in entry.items()},
             notes=(*notes, *link_notes),
         )
+
+    def parameters(self, given: Mapping[str, Given] | None = None) -> dict[str, Value]:
+        """Return the values of all parameters, with some of them replaced.
+
+        Raises FileError where that cannot be.
+        """
+        return self._parameters.replaced(given or {})[0]
 
     def _materials(self, entry: Entry) -> dict[str, Material]:
         given = entry.get("materials")

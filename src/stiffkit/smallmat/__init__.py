@@ -29,6 +29,7 @@ from stiffkit.smallmat.matrix import (
     vector,
     zeros,
 )
+from stiffkit.smallmat.recorded import Recorded, Tape
 from stiffkit.smallmat.scalars import (
     Scalar,
     add,
@@ -49,7 +50,9 @@ __all__ = [
     "ZERO_SHARE",
     "Factors",
     "Matrix",
+    "Recorded",
     "Scalar",
+    "Tape",
     "Vector",
     "add",
     "arccos",

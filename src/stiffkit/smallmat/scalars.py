@@ -1,9 +1,10 @@
 """The few operations on scalars that the posture kernels need, whatever a scalar is.
 
-A scalar is a float (one posture), a NumPy array (a batch of postures) or a heyoka expression (the
-kernel is being traced, to be compiled). A Python float in a batch or in a trace is a *structural*
-constant: it belongs to the topology of the robot and is the same in every posture, so a structural
-0 or 1 can be left out of the arithmetic.
+A scalar is a float (one posture), a NumPy array (a batch of postures), a recorded scalar (a batch
+whose derivatives are wanted) or a heyoka expression (the kernel is being traced, to be compiled).
+A Python float in a batch or in a trace is a *structural* constant: it belongs to the topology of
+the robot and is the same in every posture, so a structural 0 or 1 can be left out of the
+arithmetic.
 """
 
 from __future__ import annotations
@@ -14,8 +15,10 @@ from typing import Any
 
 import numpy as np
 
+from stiffkit.smallmat.recorded import Recorded, recorded_where_less
+
 Scalar = Any
-"""float, NDArray or heyoka.expression; the arithmetic operators mean the same for all."""
+"""float, NDArray, Recorded or heyoka.expression; arithmetic operators mean the same for all."""
 
 
 def is_structural(x: Scalar, value: float) -> bool:
@@ -92,6 +95,8 @@ def where_less(a: Scalar, b: Scalar, then: Scalar, otherwise: Scalar) -> Scalar:
     if _is_expression(a) or _is_expression(b):
         heyoka = sys.modules["heyoka"]
         return heyoka.select(heyoka.lt(a, b), then, otherwise)
+    if any(isinstance(x, Recorded) for x in (a, b, then, otherwise)):
+        return recorded_where_less(a, b, then, otherwise)
     if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
         return np.where(np.less(a, b), then, otherwise)
     return then if a < b else otherwise
@@ -121,4 +126,6 @@ def _apply(name: str, x: Scalar) -> Scalar:
         return getattr(math, name)(x)
     if isinstance(x, np.ndarray):
         return getattr(np, name)(x)
+    if isinstance(x, Recorded):
+        return x.apply(name)
     return getattr(sys.modules["heyoka"], name)(x)

@@ -11,11 +11,9 @@ from stiffkit.stiffness.indices import (
     full_matrices,
     lower_triangles,
     principal_axes,
-    rotational_stiffness,
-    translational_stiffness,
 )
 from stiffkit.stiffness.model import Compliances, Stiffness
-from stiffkit.stiffness.readings import DEFLECTIONS, STIFFNESSES, readings
+from stiffkit.stiffness.readings import DEFLECTIONS, STIFFNESSES, Reading, readings
 from stiffkit.stiffness.simplified import SimplifiedModel
 
 __all__ = [
@@ -28,6 +26,7 @@ __all__ = [
     "FreeMotion",
     "Model",
     "PrincipalAxes",
+    "Reading",
     "SimplifiedModel",
     "Stiffness",
     "deflection",
@@ -37,6 +36,4 @@ __all__ = [
     "lower_triangles",
     "principal_axes",
     "readings",
-    "rotational_stiffness",
-    "translational_stiffness",
 ]

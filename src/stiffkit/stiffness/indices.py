@@ -52,21 +52,13 @@ def deflection(lower: Array, wrench: Array) -> Array:
     )
 
 
-@dataclass(frozen=True, eq=False)
-class Extremes:
-    """Stiffness along the weakest and the strongest direction of one block."""
-
-    weakest: Array
-    """(N,), one over the largest eigenvalue of the compliance block; N/m or N m/rad."""
-    strongest: Array
-    """(N,), one over the smallest; infinite where a direction does not yield at all."""
-
-
-def extreme_stiffnesses(lower: Vector | Array, first: int) -> tuple[Scalar, Scalar]:
+def extreme_stiffnesses(lower: Vector, first: int) -> tuple[Scalar, Scalar]:
     """Return the stiffness along the weakest and the strongest direction of a diagonal block.
 
-    ``lower`` (21) holds scalars of a kernel, or is an array (21, N). ``first`` is the block's first
-    row, 0 for translation and 3 for rotation.
+    It is force over deflection along it, N/m, of a pure force, or moment over rotation about it,
+    N m/rad, of a pure moment: one over the extreme eigenvalues of the block, infinite where a
+    direction does not yield at all. ``lower`` is the compliance's lower triangle (21); ``first`` is
+    the block's first row, 0 for translation and 3 for rotation.
     """
     smallest, largest = _extreme_eigenvalues(
         *(lower[_place(first + i, first + j)] for i, j in _SIX)
@@ -99,22 +91,6 @@ def _extreme_eigenvalues(
     largest = mean + 2.0 * spread * cos(angle)
     smallest = mean + 2.0 * spread * cos(angle + 2.0 * math.pi / 3.0)
     return smallest, largest
-
-
-def translational_stiffness(lower: Array) -> Extremes:
-    """Return force over deflection along it, N/m, of a pure force in the extreme directions."""
-    return _extremes(lower, 0)
-
-
-def rotational_stiffness(lower: Array) -> Extremes:
-    """Return moment over rotation about it, N m/rad, of a pure moment, in extreme directions."""
-    return _extremes(lower, 3)
-
-
-def _extremes(lower: Array, first: int) -> Extremes:
-    with np.errstate(all="ignore"):
-        weakest, strongest = extreme_stiffnesses(lower, first)
-    return Extremes(np.asarray(weakest), np.asarray(strongest))
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,12 +12,10 @@ from stiffkit.compiled import Constants, Kernel
 from stiffkit.smallmat import (
     Scalar,
     Vector,
-    add,
     dot,
     from_lower_triangle,
     magnitude,
     matmul,
-    multiply,
     sqrt,
     vector,
 )
@@ -22,21 +23,28 @@ from stiffkit.stiffness.indices import extreme_stiffnesses
 
 Array = NDArray[np.float64]
 
-STIFFNESSES = (
-    "stiffness_translation_min",
-    "stiffness_translation_max",
-    "stiffness_rotation_min",
-    "stiffness_rotation_max",
-)
-"""The first outputs of the kernel, N/m and N m/rad; see `stiffkit.stiffness.indices`."""
+Reading = Callable[[Vector], Scalar]
+"""Scalars of a posture to one of them."""
 
-DEFLECTIONS = (
-    "deflection_translation",
-    "deflection_xy",
-    "deflection_z",
-    "deflection_rotation",
+STIFFNESSES: Mapping[str, Reading] = MappingProxyType(
+    {
+        "stiffness_translation_min": lambda lower: extreme_stiffnesses(lower, 0)[0],
+        "stiffness_translation_max": lambda lower: extreme_stiffnesses(lower, 0)[1],
+        "stiffness_rotation_min": lambda lower: extreme_stiffnesses(lower, 3)[0],
+        "stiffness_rotation_max": lambda lower: extreme_stiffnesses(lower, 3)[1],
+    }
 )
-"""For each load, after the six numbers of its deflection: sizes of its parts, m and rad."""
+"""How to read each off the lower triangle of a compliance (21, SI), N/m and N m/rad."""
+
+DEFLECTIONS: Mapping[str, Reading] = MappingProxyType(
+    {
+        "deflection_translation": lambda d: sqrt(dot(d[:3], d[:3])),
+        "deflection_xy": lambda d: sqrt(dot(d[:2], d[:2])),
+        "deflection_z": lambda d: magnitude(d[2]),
+        "deflection_rotation": lambda d: sqrt(dot(d[3:], d[3:])),
+    }
+)
+"""How to read each off a deflection (6, m and rad): sizes of its parts, m and rad."""
 
 
 def readings(wrenches: Array) -> Kernel:
@@ -52,16 +60,10 @@ def readings(wrenches: Array) -> Kernel:
 
     def read(lower: Vector, c: Vector) -> Vector:
         k = from_lower_triangle(lower)
-        outputs = [*extreme_stiffnesses(lower, 0), *extreme_stiffnesses(lower, 3)]
+        outputs = [stiffness(lower) for stiffness in STIFFNESSES.values()]
         for wrench in constants.read(c, "wrenches"):
             d = matmul(k, wrench)
-            outputs += [*d, *_sizes(d)]
+            outputs += [*d, *(size(d) for size in DEFLECTIONS.values())]
         return vector(outputs)
 
     return Kernel("readings", read, 21, constants, (len(wrenches),))
-
-
-def _sizes(d: Vector) -> list[Scalar]:
-    in_plane = dot(d[:2], d[:2])
-    in_space = add(in_plane, multiply(d[2], d[2]))
-    return [sqrt(in_space), sqrt(in_plane), magnitude(d[2]), sqrt(dot(d[3:], d[3:]))]

@@ -10,6 +10,7 @@ from stiffkit.study.modes import (
     analyse_modes,
 )
 from stiffkit.study.pose import PoseResult, analyse_pose
+from stiffkit.study.quantities import QUANTITIES, Quantity
 from stiffkit.study.store import (
     FACES,
     MAP,
@@ -29,12 +30,14 @@ __all__ = [
     "MAP",
     "MODELS_OF_VIBRATION",
     "MODES",
+    "QUANTITIES",
     "REPRODUCTION",
     "VERIFICATION",
     "Analysis",
     "Mode",
     "ModesResult",
     "PoseResult",
+    "Quantity",
     "Summary",
     "VibrationModel",
     "analyse_modes",

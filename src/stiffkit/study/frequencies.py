@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from stiffkit.errors import LinkError
 from stiffkit.kinematics import Postures, Status
+from stiffkit.robot import Robot
 from stiffkit.stiffness import Model
 from stiffkit.study.analysis import Analysis
 from stiffkit.study.branches import Followed, follow
@@ -48,9 +49,8 @@ class Frequencies:
     """The modes of each model that has an answer, followed over the workspace."""
 
 
-def has_mass(analysis: Analysis) -> bool:
-    """Tell whether anything of the robot has mass."""
-    robot = analysis.robot
+def has_mass(robot: Robot) -> bool:
+    """Tell whether anything of a robot has mass."""
     return bool(robot.tool.mass) or any(link.mass for link in robot.links.values())
 
 

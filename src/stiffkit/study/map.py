@@ -68,7 +68,7 @@ def _map(
     values.status[:, ~grid.inside] = Status.OUTSIDE
     dataset = _dataset(analysis, grid, postures, values, models)
     wanted = len(postures) <= MOST_POSTURES if frequencies is None else frequencies
-    if wanted and has_mass(analysis):
+    if wanted and has_mass(analysis.robot):
         report("natural frequencies", 0.9)
         _add_frequencies(dataset, analysis, grid, postures, values, models)
     report("done", 1.0)
@@ -189,17 +189,18 @@ def _add_frequencies(
     def shaped(values: Array) -> Array:
         return values.reshape(*values.shape[:-1], *grid.shape)
 
-    about = {"units": "Hz", "method": found.method}
+    method = {"method": found.method}
     dataset.coords["mode"] = np.arange(1, N_MODES + 1)
     dataset["frequency"] = (
         ("model", "mode", *grid.dims),
         shaped(found.values),
-        about | {"long_name": "natural frequency"},
+        {"units": "Hz", "long_name": "natural frequency"} | method,
     )
-    dataset["frequency_first"] = (
+    lowest = QUANTITIES["frequency_first"]
+    dataset[lowest.name] = (
         ("model", *grid.dims),
-        shaped(found.values[:, 0]),
-        about | {"long_name": "lowest natural frequency"},
+        shaped(lowest.of(found.values.swapaxes(0, 1))),
+        {"units": lowest.units, "long_name": lowest.long_name} | method,
     )
     dataset.coords["branch"] = np.arange(1, N_MODES + 1)
     followed, no_answer = found.followed, np.full(found.values.shape[1:], np.nan)

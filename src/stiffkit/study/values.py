@@ -14,7 +14,7 @@ from stiffkit.stiffness import DEFLECTIONS, STIFFNESSES, Stiffness, entry, readi
 
 Array = NDArray[np.float64]
 
-_BLOCK = 1 << 13
+_BLOCK = 1 << 12
 """Postures at a time: what is computed of them then stays in the cache."""
 _SLOW_BLOCK = 1 << 8
 """Postures at a time where each takes a millisecond, so that progress shows."""

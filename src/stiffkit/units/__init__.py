@@ -32,7 +32,14 @@ from stiffkit.units.dimensions import (
     describe,
     si_unit,
 )
-from stiffkit.units.quantity import Value, format_quantity, in_unit, parse_quantity, to_si
+from stiffkit.units.quantity import (
+    Value,
+    format_quantity,
+    in_unit,
+    parse_quantity,
+    si_unit_of,
+    to_si,
+)
 from stiffkit.units.unit import Unit, is_unit, parse_unit, shorten
 
 __all__ = [
@@ -68,5 +75,6 @@ __all__ = [
     "parse_unit",
     "shorten",
     "si_unit",
+    "si_unit_of",
     "to_si",
 ]

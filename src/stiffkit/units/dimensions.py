@@ -74,8 +74,38 @@ def describe(dims: Exponents | None) -> str:
     return _NAMES.get(dims) or f"a quantity in {si_unit(dims)}"
 
 
-def si_unit(dims: Exponents) -> str:
-    """Return the SI unit of a dimension, such as "kg m^2"; "" for a pure number."""
+_WRITTEN: dict[Exponents, str] = {
+    FORCE.dims: "N",
+    MOMENT.dims: "N m",
+    PRESSURE.dims: "Pa",
+    STIFFNESS_TRANSLATION.dims: "N/m",
+    COMPLIANCE_TRANSLATION.dims: "m/N",
+    COMPLIANCE_COUPLING.dims: "1/N",
+    COMPLIANCE_ROTATION.dims: "1/(N m)",
+    DENSITY.dims: "kg/m^3",
+    FREQUENCY.dims: "1/s",
+    VELOCITY.dims: "m/s",
+    ACCELERATION.dims: "m/s^2",
+}
+"""Units as engineers write them, where that is not a product of powers."""
+
+_WRITTEN_WITH_ANGLES: dict[Exponents, str] = {
+    ANGLE.dims: "rad",
+    STIFFNESS_ROTATION.dims: "N m/rad",
+    COMPLIANCE_COUPLING.dims: "rad/N",
+    COMPLIANCE_ROTATION.dims: "rad/(N m)",
+    FREQUENCY.dims: "rad/s",
+}
+
+
+def si_unit(dims: Exponents, *, angles: bool = False) -> str:
+    """Return the SI unit of a dimension, such as "kg m^2" or "N/m"; "" for a pure number.
+
+    With ``angles`` it is written for a quantity that has to do with angles: "N m/rad".
+    """
+    known = (_WRITTEN_WITH_ANGLES if angles else {}).get(dims) or _WRITTEN.get(dims)
+    if known:
+        return known
     parts = (
         (symbol, exponent) for symbol, exponent in zip(("kg", "m", "s"), _order(dims), strict=True)
     )

@@ -110,3 +110,15 @@ def in_unit(si: float, unit: str) -> float:
     """Return an SI value as a number of units. Raises UnitError where the unit is not known."""
     factor = parse_unit(unit).factor
     return float(Fraction(si) / factor) if math.isfinite(si) else si
+
+
+_ANGLE = re.compile(r"rad|deg|°|arc|turn|rev")
+
+
+def si_unit_of(unit: str) -> str:
+    """Return the SI unit of what is written in a unit: "N/m" for kN/mm, "rad" for deg.
+
+    Where the unit names an angle, so does that: "N m/rad" for N mm/deg. It is "" for a number.
+    Raises UnitError where the unit is not known.
+    """
+    return si_unit(parse_unit(unit).dims, angles=_ANGLE.search(unit) is not None)

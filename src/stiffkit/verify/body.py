@@ -118,7 +118,7 @@ def _readings(
             rows[:, at : at + 6] = np.eye(6)
             at += 6
         else:
-            whole = mesh.reading(port.faces, port.point)
+            whole = mesh.reading(port)
             rows = np.hstack([whole[:, free], whole @ carry])
         readings[port.name] = Reading(port.point, csr_array(rows))
     return readings

@@ -111,15 +111,22 @@ class ModalModel:
 
     def at_each(self, q: Array, n: int | None = None) -> Iterator[Modes]:
         """Yield the modes at each of the coordinates (n, N) of the tree, SI."""
-        frames = self._frames(q).T.reshape(q.shape[1], -1, 12)
-        for at, placed in zip(self.coordinates.at_each(q), frames, strict=True):
+        for at, roots in self.assembled(q):
             with one_thread():
-                solved = self._solve(at, placed, n)
+                solved = self._solve(at, roots, n)
             yield solved
 
-    def _solve(self, at: CoordinatesAtPosture, placed: Array, n: int | None) -> Modes:
+    def assembled(self, q: Array) -> Iterator[tuple[CoordinatesAtPosture, Array]]:
+        """Yield the coordinates at each posture, and a root B of the mass, at (n, N) of the tree.
+
+        The kinetic energy of rates dx of the coordinates is |B dx|^2 / 2, SI.
+        """
+        frames = self._frames(q).T.reshape(q.shape[1], -1, 12)
+        for at, placed in zip(self.coordinates.at_each(q), frames, strict=True):
+            yield at, self._mass_roots(at, placed)
+
+    def _solve(self, at: CoordinatesAtPosture, roots: Array, n: int | None) -> Modes:
         motions = Motions.of(at)
-        roots = self._mass_roots(at, placed)
         held, free = roots @ motions.held, roots @ motions.free
         if free.size:
             # Free motions with mass go along so that no momentum is left over.
@@ -157,14 +164,13 @@ class ModalModel:
         They are those of the motions that the loops allow, in unit-free coordinates; the stiffness
         is positive definite.
         """
-        at = next(self.coordinates.at_each(q[:, None]))
+        at, mass_root = next(self.assembled(q[:, None]))
         motions = Motions.of(at)
-        placed = self._frames(q[:, None]).T.reshape(-1, 12)
-        held, roots = at.energy @ motions.held, self._mass_roots(at, placed) @ motions.held
+        held, roots = at.energy @ motions.held, mass_root @ motions.held
         return held.T @ held, roots.T @ roots
 
     def _mass_roots(self, at: CoordinatesAtPosture, placed: Array) -> Array:
-        """Return a matrix B (m, n) so that the kinetic energy is |B dx|^2 / 2, SI."""
+        """Return B (m, n); see `assembled`."""
         rows = []
         to_si = np.diag([self.length] * 3 + [1.0] * 3)
         frames = dict(zip(self._massive, placed, strict=True))

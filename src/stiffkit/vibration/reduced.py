@@ -202,7 +202,7 @@ class ReducedKernel:
             tuple(tuple(loose_directions(joint)) for joint in self.robot.joints.values()),
         )
         name = "reduced modes and factor" if with_factor else "reduced modes"
-        return Kernel(name, reduced, self.tree.n_coordinates, self.constants, topology)
+        return Kernel(name, reduced, self.tree.n_coordinates, self.constants, topology, large=True)
 
 
 class _Posture:

@@ -9,6 +9,7 @@ from stiffkit.fea.parts.parametric import (
     Dimensions,
     ParametricPart,
     PartDimension,
+    bored,
     millimetres,
     require,
 )
@@ -59,9 +60,7 @@ def _build(d: Dimensions) -> Any:
         elif face.bounding_box[1].x < seat + 1e-3:
             face.name = "journal"
     pin = Cylinder((length, -2.0 * R, 0.0), Y, r=d["bore"] / 2.0 / MM, h=4.0 * R)
-    for face in pin.faces:
-        face.name = "pin"
-    return body - pin
+    return bored(body, pin, "pin")
 
 
 ORTHOGLIDE_AXLE = ParametricPart(

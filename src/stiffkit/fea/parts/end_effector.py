@@ -9,6 +9,7 @@ from stiffkit.fea.parts.parametric import (
     Dimensions,
     ParametricPart,
     PartDimension,
+    bored,
     millimetres,
     require,
     require_ring,
@@ -51,9 +52,7 @@ def _build(d: Dimensions) -> Any:
         body = body + Cylinder(_back(centre, axis, seat), axis, r=ring, h=2.0 * seat)
     for leg, (centre, axis) in enumerate(axles, start=1):
         hole = Cylinder(_back(centre, axis, seat + 1.0), axis, r=bore, h=2.0 * seat + 2.0)
-        for face in hole.faces:
-            face.name = f"leg_{leg}"
-        body = body - hole
+        body = bored(body, hole, f"leg_{leg}")
     for face in body.faces:
         if face.bounding_box[0].z > top - 1e-3:
             face.name = "tool"

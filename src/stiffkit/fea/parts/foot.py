@@ -10,6 +10,7 @@ from stiffkit.fea.parts.parametric import (
     Dimensions,
     ParametricPart,
     PartDimension,
+    bored,
     millimetres,
     require,
     require_ring,
@@ -65,9 +66,7 @@ def _build(d: Dimensions) -> Any:
             x, y = shift + sx * (a - 1.2 * bolt), sy * (b - 1.2 * bolt)
             body = body - Cylinder((x, y, -1.0), Z, r=bolt / 2.0, h=plate + 2.0)
     bearing = Cylinder((across, -2.0 * seat, across), Y, r=d["bore"] / 2.0 / MM, h=4.0 * seat)
-    for face in bearing.faces:
-        face.name = "bearing"
-    body = body - bearing
+    body = bored(body, bearing, "bearing")
     for face in body.faces:
         if face.bounding_box[1].z < 1e-3:
             face.name = "carriage"

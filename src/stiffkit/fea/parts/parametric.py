@@ -84,6 +84,13 @@ def require_ring(d: Dimensions) -> None:
     )
 
 
+def bored(body: Any, pin: Any, name: str) -> Any:
+    """Return a shape without a pin, with ``name`` for the faces of the hole that it leaves."""
+    for face in pin.faces:
+        face.name = name
+    return body - pin
+
+
 def millimetres(value: float) -> str:
     """Return a length in m as text in mm."""
     return f"{value / MM:.6g} mm"

@@ -13,6 +13,7 @@ from stiffkit.fea.parts.parametric import (
     Dimensions,
     ParametricPart,
     PartDimension,
+    bored,
     millimetres,
     require,
 )
@@ -118,9 +119,7 @@ def _strut(d: Dimensions, base: Any, tip: Any) -> Any:
     tall = length / 2.0
     for name, x in (("base", 0.0), ("tip", length)):
         pin = Cylinder((x, 0.0, -tall), Z, r=d["bore"] / 2.0 / MM, h=2.0 * tall)
-        for face in pin.faces:
-            face.name = name
-        body = body - pin
+        body = bored(body, pin, name)
     return body
 
 
@@ -147,13 +146,18 @@ ORTHOGLIDE_BAR = ParametricPart(
 """L is printed; the tube follows from Table 7 (area, Iy and Iz of the single beam, and within 4 %
 its torsion constant too); the forks are chosen."""
 
-_LEG = [
-    PartDimension("width", 120e-3, "of the tube, along y", _CHOSEN),
-    PartDimension("height", 80e-3, "of the tube, along z", _CHOSEN),
-    PartDimension("wall", 8e-3, "of the tube", _CHOSEN),
-    *_end_dimensions(90e-3, 50e-3, 85e-3, 25e-3),
-    PartDimension("eye", 60e-3, "height of an eye, along z", _CHOSEN),
-]
+
+def _leg_dimensions(length: float, symbol: str) -> list[PartDimension]:
+    printed = f"printed: Briot 2009, section 2, {symbol}"
+    return [
+        PartDimension("length", length, "from pin to pin", printed),
+        PartDimension("width", 120e-3, "of the tube, along y", _CHOSEN),
+        PartDimension("height", 80e-3, "of the tube, along z", _CHOSEN),
+        PartDimension("wall", 8e-3, "of the tube", _CHOSEN),
+        *_end_dimensions(90e-3, 50e-3, 85e-3, 25e-3),
+        PartDimension("eye", 60e-3, "height of an eye, along z", _CHOSEN),
+    ]
+
 
 BIGLIDE_LEG_1 = ParametricPart(
     name="biglide-leg-1",
@@ -161,10 +165,7 @@ BIGLIDE_LEG_1 = ParametricPart(
     description="A box tube with an eye at each end. x from pin to pin, z along the pins, origin "
     "at the base's pin.",
     edition=1,
-    dimensions=(
-        PartDimension("length", 0.85, "from pin to pin", "printed: Briot 2009, section 2, L1"),
-        *_LEG,
-    ),
+    dimensions=tuple(_leg_dimensions(0.85, "L1")),
     faces={"base": "the bore at the origin", "tip": "the bore at the other end"},
     check=_check,
     build=lambda d: _strut(d, _eye(d), _eye(d)),
@@ -176,11 +177,7 @@ BIGLIDE_LEG_2 = ParametricPart(
     description="A box tube with an eye at the base, and a fork at the tip that takes the eye of "
     "the other leg. x from pin to pin, z along the pins, origin at the base's pin.",
     edition=1,
-    dimensions=(
-        PartDimension("length", 0.775, "from pin to pin", "printed: Briot 2009, section 2, L2"),
-        *_LEG,
-        *_fork_dimensions(64e-3, 20e-3, 12e-3),
-    ),
+    dimensions=(*_leg_dimensions(0.775, "L2"), *_fork_dimensions(64e-3, 20e-3, 12e-3)),
     faces={"base": "the bore at the origin", "tip": "the two bores at the other end"},
     check=_check_fork,
     build=lambda d: _strut(d, _eye(d), _fork(d)),

@@ -5,11 +5,12 @@ from stiffkit.study.sweep.directory import StudyDirectory, create_study, open_st
 from stiffkit.study.sweep.executors import Executor, InProcess, Processes
 from stiffkit.study.sweep.read import SCHEMA_FILE, read_study
 from stiffkit.study.sweep.run import run_study
-from stiffkit.study.sweep.spec import Column, StudySpec, Varied
+from stiffkit.study.sweep.spec import STATISTICS, Column, StudySpec, Varied
 from stiffkit.study.sweep.table import describe, make_table
 
 __all__ = [
     "SCHEMA_FILE",
+    "STATISTICS",
     "Cluster",
     "Column",
     "Executor",

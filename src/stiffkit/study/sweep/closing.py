@@ -91,7 +91,7 @@ class Closing:
         start[:n] += moved[self._tree_rows()]
         step = group.home_step.at(self.constants, np.arange(at.size))
         q, reached = jump(step, start, asked, self.anchors.home_response[:, at])
-        tool, joints = self._observe(q[:n], np.arange(at.size))
+        tool, joints = self.observe(q[:n], np.arange(at.size))
         off_by = self._off_by(joints - hints, np.arange(at.size))
         off_by[~reached] = np.inf
         doubtful = np.flatnonzero(off_by >= NEAR_HINTS)
@@ -105,7 +105,7 @@ class Closing:
                 elif distance < off_by[i] - _SAME:
                     continued[i] = False
                     q[:, i], reasons[i] = self._checked(i, assembly, asked[:, i])
-            tool[:, doubtful], _ = self._observe(q[:n, doubtful], doubtful)
+            tool[:, doubtful], _ = self.observe(q[:n, doubtful], doubtful)
         return Homes(q, tool, reasons, continued)
 
     def _nearest_assembly(
@@ -127,7 +127,7 @@ class Closing:
                 share = np.minimum(1.0, _LONGEST / np.sqrt(out[closure.n_unknowns + 1]))
                 x[: len(q)] += share * (out[: len(q)] - x[: len(q)])
             closed = np.sqrt(step(x)[closure.n_unknowns]) <= CLOSED
-            _, joints = self._observe(x[:n], at)
+            _, joints = self.observe(x[:n], at)
         off_by = np.where(closed, self._off_by(joints - hints[:, at], at), np.inf)
         starts = at.size // which.size
         best = np.argmin(off_by.reshape(which.size, starts), axis=1)
@@ -178,7 +178,7 @@ class Closing:
             dtype=np.intp,
         )
 
-    def _observe(self, q: Array, which: NDArray[np.intp]) -> tuple[Array, Array]:
+    def observe(self, q: Array, which: NDArray[np.intp]) -> tuple[Array, Array]:
         """Return tool poses (6, N) and all joint coordinates, in the file's order, of postures."""
         tree = self.group.tree
         values = self.group.observe.at(self.constants, which)(q)
@@ -205,7 +205,7 @@ class Closing:
 
     def postures(self, which: NDArray[np.intp], homes: Homes) -> tuple[Array, Mask]:
         """Return the postures (n, G, P) of some of the geometries, and which are reached (G, P)."""
-        asked = self._asked(which, homes)
+        asked = self.asked(which, homes)
         inside = np.stack([self.geometries[i].inside for i in which])
         q = np.empty((self.group.closure.n_unknowns, *inside.shape))
         reached = np.zeros(inside.shape, dtype=bool)
@@ -236,7 +236,7 @@ class Closing:
         )
         return q.reshape(-1, *shape), found.reshape(shape)
 
-    def _asked(self, which: NDArray[np.intp], homes: Homes) -> Array:
+    def asked(self, which: NDArray[np.intp], homes: Homes) -> Array:
         """Return the tool coordinates (m, G, P) that are asked for."""
         P = self.family.n_postures
         rows = []

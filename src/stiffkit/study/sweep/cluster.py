@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import time
 from collections.abc import Callable, Generator, Sequence
 from typing import Any
 
@@ -15,11 +17,15 @@ from stiffkit.study.sweep.work import Reference, as_given, compute_chunk
 
 Array = NDArray[np.float64]
 
-_AHEAD = 3
-"""Chunks that each thread of the cluster has been given, so that none waits for the next."""
+_AHEAD = 4
+"""Chunks that each thread of the cluster is given, and is given anew when half of them are done:
+none waits for the next, and the scheduler gets a few long messages in place of many short ones."""
 _FEWEST = 8
 _PATIENCE = 10.0
 """Seconds that a scheduler has to answer."""
+_ASKED_EVERY = 1.0
+"""Seconds after which the number of threads is asked for again: the answer is long where they are
+many."""
 
 
 class Cluster:
@@ -57,23 +63,28 @@ class Cluster:
         client: Any = self._client
         try:
             # A task like others, so that it can be had again where the worker that has it dies;
-            # each worker fetches it once, from another one.
+            # each worker fetches it once, from another one. Its name does not begin like the
+            # chunks': Dask would not see that these are all alike, and think about each one.
             name = f"stiffkit-{job['key'][:12]}"
-            shared = client.submit(as_given, reference, key=f"{name}-reference", pure=False)
+            shared = client.submit(as_given, reference, key=f"reference-{name}", pure=False)
             waiting = list(reversed(chunks))
             running: dict[str, int] = {}
             collect: Any = distributed.as_completed
             finished = collect(loop=client.loop)
+            threads = _Threads(client)
 
             def fill() -> None:
-                most = max(_FEWEST, _AHEAD * sum(client.nthreads().values()))
-                while waiting and len(running) < most:
-                    number, values = waiting.pop()
-                    key = f"{name}-{number}"
-                    running[key] = number
-                    finished.add(
-                        client.submit(compute_chunk, job, shared, values, key=key, pure=False)
-                    )
+                most = max(_FEWEST, _AHEAD * threads.count())
+                if not waiting or 2 * len(running) > most:
+                    return
+                given = [waiting.pop() for _ in range(min(len(waiting), most - len(running)))]
+                keys = [f"{name}-{number}" for number, _ in given]
+                running.update(zip(keys, (number for number, _ in given), strict=True))
+                values = [values for _, values in given]
+                n = len(given)
+                finished.update(
+                    client.map(compute_chunk, [job] * n, [shared] * n, values, key=keys, pure=False)
+                )
 
             fill()
             for future in finished:
@@ -89,3 +100,18 @@ class Cluster:
                 fill()
         finally:
             client.close()
+
+
+class _Threads:
+    """Counts the threads of all workers, which come and go."""
+
+    def __init__(self, client: Any) -> None:
+        self._client = client
+        self._asked = -math.inf
+        self._count = 0
+
+    def count(self) -> int:
+        now = time.monotonic()
+        if now - self._asked >= _ASKED_EVERY:
+            self._asked, self._count = now, sum(self._client.nthreads().values())
+        return self._count

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -16,10 +17,10 @@ from stiffkit import __version__
 from stiffkit.compiled import Backend, decided, default_backend
 from stiffkit.errors import OutputError
 from stiffkit.study.sweep.engine import Rows
-from stiffkit.study.sweep.files import read_arrays, write_arrays, write_whole
+from stiffkit.study.sweep.files import digest, read_arrays, write_arrays, write_whole
 from stiffkit.study.sweep.sampling import parameter_values
 from stiffkit.study.sweep.spec import StudySpec
-from stiffkit.study.sweep.work import Job, Reference, prepare
+from stiffkit.study.sweep.work import Job, Prepared, Reference, prepare
 
 Array = NDArray[np.float64]
 
@@ -28,8 +29,16 @@ FORMAT = 1
 
 _BEGINNINGS = {"chunks", "reference.npz", ".lock"}
 """What is there of a study that was interrupted before it had begun."""
-_POSTURES_OF_CHUNK = 1 << 18
-_LARGEST_CHUNK = 2048
+_COST_OF_CHUNK = 1200
+"""Postures that are computed in the time that one process needs to give out a chunk and to take its
+rows back: 5 ms on a cluster (``python -m benchmarks cluster``)."""
+_CHUNKS_OF_WORKER = 4
+"""Chunks for each worker, so that all end at about the same time."""
+_FEWEST_POSTURES, _MOST_POSTURES = 1 << 15, 1 << 20
+"""Of a chunk: 0.1 s of work, beside which what a chunk costs its worker is little, and some seconds
+of work, which are soon done again where they are lost."""
+_FREQUENCY = 100
+"""Postures that are computed in the time of one frequency."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,8 +107,15 @@ class StudyDirectory:
 
 
 def chunk_size_of(spec: StudySpec) -> int:
-    """Return how many geometries a chunk has if nobody says: a few seconds of work."""
-    return int(np.clip(_POSTURES_OF_CHUNK // spec.postures, 1, _LARGEST_CHUNK))
+    """Return how many geometries a chunk has if nobody says.
+
+    The process that gives out chunks keeps no more workers busy than chunks that it handles while
+    one is computed, and these many workers shall have `_CHUNKS_OF_WORKER` chunks each. So chunks
+    grow with the square root of the study, as does the number of workers that it is good for.
+    """
+    geometry = spec.postures + _FREQUENCY * spec.frequency_postures
+    balanced = math.sqrt(geometry * spec.n_geometries * _COST_OF_CHUNK / _CHUNKS_OF_WORKER)
+    return max(1, int(np.clip(balanced, _FEWEST_POSTURES, _MOST_POSTURES)) // geometry)
 
 
 def create_study(
@@ -118,7 +134,7 @@ def create_study(
         )
     chosen = decided(backend or default_backend())
     prepared = prepare(spec, chosen)
-    key = _key(spec, prepared.robot_hash, chosen)
+    key = _key(spec, prepared, chosen)
     made = {
         "format": FORMAT,
         "job": Job(key, spec.plain(), prepared.robot_hash, chosen).plain(),
@@ -183,6 +199,11 @@ def _begun_before(path: Path, spec: StudySpec) -> StudyDirectory:
     return found
 
 
-def _key(spec: StudySpec, robot_hash: str, backend: Backend) -> str:
-    parts = [json.dumps(spec.plain(), sort_keys=True), robot_hash, backend, __version__]
+def _key(spec: StudySpec, prepared: Prepared, backend: Backend) -> str:
+    """Return what tells a study from others: workers keep what they made for one by it.
+
+    What chunks begin from belongs to it. Its last digits may differ where a study is begun anew.
+    """
+    parts = [json.dumps(spec.plain(), sort_keys=True), prepared.robot_hash, backend, __version__]
+    parts.append(digest(prepared.reference).hex())
     return hashlib.sha256("\n".join(parts).encode()).hexdigest()

@@ -17,7 +17,7 @@ from stiffkit.errors import StiffkitError
 from stiffkit.kinematics import SpanningTree
 from stiffkit.smallmat import ZERO_SHARE
 from stiffkit.stiffness import Assembly, deflection, lower_triangles
-from stiffkit.study.quantities import needs_load, of_compliance, of_deflection
+from stiffkit.study.quantities import QUANTITIES
 from stiffkit.study.sweep.anchors import Anchors
 from stiffkit.study.sweep.closing import Closing, Homes
 from stiffkit.study.sweep.family import Geometry
@@ -224,12 +224,9 @@ class _Quantities:
         """Return the quantity of a column, (B, P)."""
         key = (column.quantity, column.load)
         if key not in self._known:
-            if needs_load(column.quantity):
-                self._known[key] = of_deflection(
-                    column.quantity, self._deflection(str(column.load))
-                )
-            else:
-                self._known[key] = of_compliance(column.quantity, self.lower)
+            quantity = QUANTITIES[column.quantity]
+            source = self._deflection(str(column.load)) if quantity.per_load else self.lower
+            self._known[key] = quantity.of(source)
         return self._known[key]
 
     def _deflection(self, load: str) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from stiffkit.compiled import Constants
 from stiffkit.errors import PoseError
+from stiffkit.files import Given
 from stiffkit.kinematics import Postures, typical_length
 from stiffkit.network import add_elasticity
 from stiffkit.robot import DIRECTIONS, Robot, RobotFile, Workspace
@@ -54,14 +55,21 @@ class Geometry:
 class Family:
     """What all geometries of a study have in common, and how to make one."""
 
-    def __init__(self, spec: StudySpec) -> None:
+    def __init__(
+        self, spec: StudySpec, derived: Mapping[str, Given] | None = None, *, remembered: int = 0
+    ) -> None:
         """Read the robot file and put its own geometry together.
+
+        ``derived`` are parameters that all geometries have in place of the file's own, such as
+        expressions on those that are varied. The last ``remembered`` geometries are not made anew
+        when they are asked for again.
 
         Raises FileError, AssemblyError or PoseError where that is not possible.
         """
         self.spec = spec
+        self.derived = dict(derived or {})
         self.file = RobotFile(spec.robot)
-        self.analysis = Analysis(self.file.robot())
+        self.analysis = Analysis(self.file.robot(self.derived))
         self.robot = self.analysis.robot
         self.kinematics = self.analysis.kinematics
         self.asked = self.kinematics.asked
@@ -73,6 +81,7 @@ class Family:
         self.frequency_postures = _spread(self.grid, spec.frequency_postures)
         """(F,), the postures at which frequencies are asked for."""
         self._workspace = lru_cache(maxsize=1000)(self._poses)
+        self._made = lru_cache(maxsize=remembered)(self._geometry)
         self.neighbours = _neighbours(self.grid)
         """(P, k), postures beside each other in the workspace; -1 where there is none."""
 
@@ -94,11 +103,19 @@ class Family:
         """Return the values (k,) that the file has for the parameters that are varied."""
         return np.array([self.robot.parameters[v.name].value for v in self.spec.varied])
 
+    def parameters(self, values: Array) -> dict[str, float]:
+        """Return all parameters, SI, at values (k,) of those that are varied."""
+        resolved = self.file.parameters(self._given(values.tolist()))
+        return {name: value.si for name, value in resolved.items()}
+
     def geometry(self, values: Array) -> Geometry:
         """Return the geometry with these values (k,) of the varied parameters, SI.
 
         Raises FileError or PoseError where there can be no such robot.
         """
+        return self._made(tuple(values.tolist()))
+
+    def _geometry(self, values: tuple[float, ...]) -> Geometry:
         robot = self.file.robot(self._given(values))
         length = typical_length(robot)
         constants = Constants()
@@ -117,9 +134,9 @@ class Family:
             grid.inside,
         )
 
-    def _given(self, values: Array) -> Mapping[str, Value]:
-        given = {}
-        for varied, si in zip(self.spec.varied, values.tolist(), strict=True):
+    def _given(self, values: Iterable[float]) -> Mapping[str, Given]:
+        given = dict(self.derived)
+        for varied, si in zip(self.spec.varied, values, strict=True):
             dims = parse_quantity(f"1 {varied.unit}").dims if varied.unit else None
             given[varied.name] = Value(si, dims)
         return given

@@ -34,7 +34,7 @@ def write_whole(path: Path, content: bytes) -> None:
     except OSError as error:
         raise OutputError(
             f"{path} cannot be written: {error.strerror or error}",
-            mend="make room; then 'stiffkit study resume' goes on where it stopped",
+            mend="make room; the same command then goes on where it stopped",
         ) from error
     finally:
         partial.unlink(missing_ok=True)
@@ -43,7 +43,7 @@ def write_whole(path: Path, content: bytes) -> None:
 def write_arrays(path: Path, arrays: Arrays) -> None:
     """Write arrays with a checksum. Raises OutputError where that is not possible."""
     content = io.BytesIO()
-    checksum = np.frombuffer(_digest(arrays), dtype=np.uint8)
+    checksum = np.frombuffer(digest(arrays), dtype=np.uint8)
     np.savez(content, allow_pickle=False, **{**arrays, _CHECKSUM: checksum})
     write_whole(path, content.getvalue())
 
@@ -56,18 +56,19 @@ def read_arrays(path: Path) -> dict[str, NDArray[np.generic]] | None:
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
         return None
     checksum = arrays.pop(_CHECKSUM, None)
-    if checksum is None or checksum.tobytes() != _digest(arrays):
+    if checksum is None or checksum.tobytes() != digest(arrays):
         return None
     return arrays
 
 
-def _digest(arrays: Arrays) -> bytes:
-    digest = hashlib.sha256()
+def digest(arrays: Arrays) -> bytes:
+    """Return a hash of arrays with their names, types and shapes."""
+    found = hashlib.sha256()
     for name in sorted(arrays):
         array = np.ascontiguousarray(arrays[name])
-        digest.update(f"{name} {array.dtype.str} {array.shape};".encode())
-        digest.update(array.tobytes())
-    return digest.digest()
+        found.update(f"{name} {array.dtype.str} {array.shape};".encode())
+        found.update(array.tobytes())
+    return found.digest()
 
 
 @contextmanager

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import cast
 
 import numpy as np
 
-from stiffkit.errors import UnitError
-from stiffkit.files import Entry, Problems, Scope, check_shape, read_source, read_tree, suggest
-from stiffkit.files.parameters import check_same_dimension
-from stiffkit.robot import Robot, list_robots, load_robot
+from stiffkit.files import Entry, Problems, Scope, check_shape, read_source, read_tree
+from stiffkit.robot import Robot, load_robot
 from stiffkit.stiffness import Model
-from stiffkit.study.quantities import QUANTITIES, needs_load
-from stiffkit.study.sweep.spec import STATISTICS, Column, StatisticName, StudySpec, Varied
-from stiffkit.units import Value, parse_quantity
+from stiffkit.study.sweep.spec import Column, StudySpec, Varied, slope_name
+from stiffkit.study.sweep.written import (
+    check_masses,
+    check_parameter,
+    read_count,
+    read_models,
+    read_parameter,
+    read_robot_name,
+    read_statistic,
+    values_of_parameters,
+)
 
 SCHEMA_FILE = Path(__file__).parents[1] / "schema.json"
 """The published schema of study files."""
@@ -50,22 +55,9 @@ def read_study(path: Path) -> StudySpec:
     root = read_tree(read_source(path), "study: TITLE")
     check_shape(root, path, SCHEMA_FILE)
     entry = Entry(path, (), root)
-    name = _robot_name(entry["robot"])
+    name = read_robot_name(entry["robot"])
     robot = load_robot(name)
     return _Reader(entry, robot).read(name)
-
-
-def _robot_name(entry: Entry) -> str:
-    name = entry.text()
-    if name in list_robots():
-        return name
-    path = entry.path.parent / name
-    if not path.is_file():
-        raise entry.error(
-            f"there is no file '{path}', and no robot '{name}' in the catalogue",
-            "give a file relative to this one; of the catalogue: " + suggest(name, list_robots()),
-        )
-    return str(path.resolve())
 
 
 class _Reader:
@@ -73,9 +65,8 @@ class _Reader:
 
     def __init__(self, entry: Entry, robot: Robot) -> None:
         self.robot = robot
-        given = {name: _as_written(p.value, p.unit) for name, p in robot.parameters.items()}
-        self.parameters: Mapping[str, Value] = given
-        self.entry = Entry(entry.path, (), entry.node, Scope(given))
+        self.parameters = values_of_parameters(robot)
+        self.entry = Entry(entry.path, (), entry.node, Scope(self.parameters))
 
     def read(self, robot: str) -> StudySpec:
         problems = Problems()
@@ -86,7 +77,7 @@ class _Reader:
         for name, entry in self.entry["vary"].items():
             with problems.collect():
                 varied.append(self.varied(name, entry, in_grid=sample is None))
-        models = self.models()
+        models = read_models(self.entry.get("models"), ("refined",))
         frequency_postures = 0
         with problems.collect():
             frequency_postures = self.frequency_postures(models)
@@ -95,24 +86,40 @@ class _Reader:
             with problems.collect():
                 columns.append(self.column(name, entry, frequency_postures))
         problems.check()
-        postures = self.entry.get("postures")
+        postures, derivatives = self.entry.get("postures"), self.entry.get("derivatives")
         spec = StudySpec(
             title=self.entry["study"].text(),
             robot=robot,
             varied=tuple(varied),
             sample=sample,
             seed=seed,
-            postures=POSTURES if postures is None else _count(postures),
+            postures=POSTURES if postures is None else read_count(postures),
             models=models,
             frequency_postures=frequency_postures,
             columns=tuple(columns) or tuple(self.usual_columns(frequency_postures)),
+            derivatives=derivatives is not None and derivatives.node.value is True,
         )
+        if derivatives is not None and spec.derivatives:
+            self.check_derivatives(derivatives, spec)
         if spec.n_geometries > MOST_GEOMETRIES:
             raise self.entry["vary"].error(
                 f"these are {spec.n_geometries} geometries, more than {MOST_GEOMETRIES}",
                 "give fewer values, or 'sampling: {latin hypercube: 100000}'",
             )
         return spec
+
+    def check_derivatives(self, entry: Entry, spec: StudySpec) -> None:
+        """Raise FileError where the names that derivatives get are taken."""
+        taken = {*RESERVED, *(column.name for column in spec.columns), *self.parameters}
+        for column in spec.columns:
+            for varied in spec.varied:
+                name = slope_name(column, varied.name)
+                if name in taken:
+                    raise entry.error(
+                        f"the derivatives of '{column.name}' by '{varied.name}' would be called"
+                        f" '{name}', and there is one of that name",
+                        "give the result another name",
+                    )
 
     def sampling(self) -> tuple[int | None, int]:
         """Return the number of geometries of a random sample, None for a grid, and its seed."""
@@ -125,22 +132,22 @@ class _Reader:
                 "write 'grid', or '{latin hypercube: 1000, seed: 1}'",
             )
         seed = entry.get("seed")
-        return _count(entry["latin hypercube"]), 0 if seed is None else _count(seed)
+        return read_count(entry["latin hypercube"]), 0 if seed is None else read_count(seed)
 
     def varied(self, name: str, entry: Entry, *, in_grid: bool) -> Varied:
-        if name not in self.parameters:
-            raise entry.error(
-                f"{self.robot.name} has no parameter '{name}'",
-                suggest(name, self.parameters) or "its file has no parameters",
-            )
+        check_parameter(name, entry, self.robot)
         unit = self.robot.parameters[name].unit
         if isinstance(entry.node.value, list):
             if not in_grid:
                 raise entry.error(
                     "a latin hypercube needs a range", "write '{from: 300 mm, to: 500 mm}'"
                 )
-            return Varied(name, tuple(self.value(name, one) for one in entry.elements()), unit)
-        low, high = self.value(name, entry["from"]), self.value(name, entry["to"])
+            return Varied(
+                name,
+                tuple(read_parameter(name, one, self.parameters) for one in entry.elements()),
+                unit,
+            )
+        low, high = (read_parameter(name, entry[end], self.parameters) for end in ("from", "to"))
         count = entry.get("count")
         if not in_grid:
             if count is not None:
@@ -151,21 +158,7 @@ class _Reader:
                 "'count' is missing",
                 "say how many values the grid has, or choose 'sampling: {latin hypercube: ...}'",
             )
-        return Varied(name, tuple(np.linspace(low, high, _count(count)).tolist()), unit)
-
-    def value(self, name: str, entry: Entry) -> float:
-        value = entry.value()
-        try:
-            check_same_dimension(name, self.parameters[name], value)
-        except UnitError as error:
-            raise entry.error(error.what, error.mend) from None
-        return value.si
-
-    def models(self) -> tuple[Model, ...]:
-        entry = self.entry.get("models")
-        if entry is None:
-            return ("refined",)
-        return tuple(cast(Model, one.text()) for one in entry.elements())
+        return Varied(name, tuple(np.linspace(low, high, read_count(count)).tolist()), unit)
 
     def frequency_postures(self, models: Sequence[Model]) -> int:
         entry = self.entry.get("frequencies")
@@ -175,12 +168,8 @@ class _Reader:
             raise entry.error(
                 "frequencies are those of the refined model", "add 'refined' to the models"
             )
-        if not (self.robot.tool.mass or any(link.mass for link in self.robot.links.values())):
-            raise entry.error(
-                f"{self.robot.name} has no mass anywhere, so nothing can vibrate",
-                "give links a mass or a material in the robot file, or leave this out",
-            )
-        return _count(entry["postures"])
+        check_masses(entry, self.robot)
+        return read_count(entry["postures"])
 
     def results(self) -> Iterator[tuple[str, Entry]]:
         entry = self.entry.get("results")
@@ -191,55 +180,7 @@ class _Reader:
             raise entry.error(f"'{name}' is the name of a parameter", "choose another name")
         if name in RESERVED or name.endswith("_at"):
             raise entry.error(f"the table has a column '{name}' of its own", "choose another name")
-        given = [statistic for statistic in STATISTICS if statistic in entry]
-        if len(given) != 1:
-            raise entry.error(
-                f"{' and '.join(given) or 'no statistic'} stands here, one is needed",
-                f"give one of {', '.join(STATISTICS)}",
-            )
-        statistic: StatisticName = given[0]
-        simple = statistic in ("min", "max", "mean")
-        if simple and "of" in entry:
-            raise entry["of"].error(
-                f"'{statistic}' names its quantity itself", f"write '{statistic}: QUANTITY'"
-            )
-        if not simple and "of" not in entry:
-            raise entry.error(f"'of' is missing: {statistic} of what?", _known())
-        place = entry[statistic] if simple else entry["of"]
-        quantity = place.text()
-        if quantity not in QUANTITIES:
-            raise place.error(f"'{quantity}' is no quantity", suggest(quantity, QUANTITIES))
-        if quantity == "frequency_first" and not frequency_postures:
-            raise place.error(
-                "the study computes no frequencies", "add 'frequencies: {postures: 10}'"
-            )
-        value = None
-        if statistic == "percentile":
-            value = float(cast(float, entry[statistic].node.value))
-        elif not simple:
-            value = entry[statistic].quantity(QUANTITIES[quantity].dimension)
-        return Column(name, statistic, quantity, self.load(entry, quantity), value)
-
-    def load(self, entry: Entry, quantity: str) -> str | None:
-        given, loads = entry.get("load"), list(self.robot.loads)
-        if not needs_load(quantity):
-            if given is not None:
-                raise given.error(f"{quantity} is the same for all loads", "remove 'load'")
-            return None
-        if given is None:
-            if len(loads) == 1:
-                return loads[0]
-            raise entry.error(
-                f"under which load? {quantity} is that of a load case",
-                f"add 'load: NAME'; known: {', '.join(loads)}"
-                if loads
-                else "the robot file has no loads; add some",
-            )
-        if given.text() not in loads:
-            raise given.error(
-                f"{self.robot.name} has no load case '{given.text()}'", suggest(given.text(), loads)
-            )
-        return given.text()
+        return read_statistic(name, entry, self.robot, frequency_postures)
 
     def usual_columns(self, frequency_postures: int) -> Iterator[Column]:
         """Yield what a table has if the file does not say."""
@@ -251,21 +192,3 @@ class _Reader:
             yield Column(name, "max", "deflection_translation", load)
         if frequency_postures:
             yield Column("lowest_frequency", "min", "frequency_first")
-
-
-def _as_written(si: float, unit: str) -> Value:
-    """Return an SI value with the dimension of a unit, "" for one that fits any."""
-    if not unit:
-        return Value(si)
-    return Value(si, parse_quantity(f"1 {unit}").dims, unit=unit)
-
-
-def _count(entry: Entry) -> int:
-    value = entry.node.value
-    if not isinstance(value, int | float) or value != int(value):
-        raise entry.error(f"'{entry.text()}' is no whole number", "write one, such as 1000")
-    return int(value)
-
-
-def _known() -> str:
-    return "add 'of: QUANTITY'; the quantities are " + ", ".join(QUANTITIES)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import closing
 from typing import TYPE_CHECKING
 
+from stiffkit.progress import Progress, no_progress
 from stiffkit.study.sweep.directory import StudyDirectory
 from stiffkit.study.sweep.executors import Executor, InProcess
 from stiffkit.study.sweep.files import alone_in
@@ -13,9 +13,6 @@ from stiffkit.study.sweep.table import write_table
 
 if TYPE_CHECKING:
     import xarray as xr
-
-Progress = Callable[[str, float], None]
-"""Called with what is being done and the share that is done, 0 to 1."""
 
 
 def run_study(
@@ -27,7 +24,7 @@ def run_study(
     Raises OutputError where something cannot be written or another process is at work on it, and
     StiffkitError where workers cannot do it.
     """
-    report = progress or (lambda _what, _share: None)
+    report = progress or no_progress
     with alone_in(directory.path):
         missing = sorted(set(range(directory.n_chunks)) - set(directory.finished()))
         done = directory.n_chunks - len(missing)

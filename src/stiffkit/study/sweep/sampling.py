@@ -18,6 +18,8 @@ def parameter_values(spec: StudySpec, geometries: NDArray[np.intp]) -> Array:
     A grid counts through the last parameter fastest. A latin hypercube is that of
     `scipy.stats.qmc.LatinHypercube` with the study's seed.
     """
+    if not spec.varied:
+        return np.empty((0, geometries.size))
     if spec.sample is None:
         shape = tuple(len(varied.values) for varied in spec.varied)
         indices = np.unravel_index(geometries, shape)

@@ -47,6 +47,16 @@ class Column:
         """Whether the value stands at one posture, whose tool pose the table shows too."""
         return self.statistic in ("min", "max")
 
+    @property
+    def has_slope(self) -> bool:
+        """Whether it changes little by little with the parameters; shares do it in leaps."""
+        return not self.statistic.startswith("share")
+
+
+def slope_name(column: Column, parameter: str) -> str:
+    """Return the name of a column's derivatives by a parameter in the table."""
+    return f"{column.name}_by_{parameter}"
+
 
 @dataclass(frozen=True)
 class StudySpec:
@@ -64,6 +74,8 @@ class StudySpec:
     frequency_postures: int
     """0 if no frequencies are asked for."""
     columns: tuple[Column, ...]
+    derivatives: bool = False
+    """Whether the table has the columns' derivatives by the varied parameters too."""
 
     @property
     def n_geometries(self) -> int:

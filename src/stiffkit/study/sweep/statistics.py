@@ -36,6 +36,31 @@ def reduce(column: Column, values: Array) -> tuple[Array, NDArray[np.intp]]:
         return np.sum(beyond, axis=1) / count, nowhere
 
 
+def shares(column: Column, values: Array) -> Array:
+    """Return how much each of the values (P,) counts in a statistic: its derivatives (P,).
+
+    Where two postures are equally bad the first one counts. A share of postures changes in leaps
+    and has no derivative: NaN, where a value is.
+    """
+    known = np.isfinite(values)
+    weights = np.zeros(values.size)
+    if not known.any():
+        return weights
+    if column.has_place:
+        weights[reduce(column, values[None])[1]] = 1.0
+    elif column.statistic == "mean":
+        weights[known] = 1.0 / known.sum()
+    elif column.statistic == "percentile":
+        ranked = np.flatnonzero(known)[np.argsort(values[known], kind="stable")]
+        place = (ranked.size - 1) * float(column.value or 0.0) / 100.0
+        below = int(place)
+        weights[ranked[below]] = 1.0 - (place - below)
+        weights[ranked[min(below + 1, ranked.size - 1)]] += place - below
+    else:
+        weights[known] = np.nan
+    return weights
+
+
 def _percentile(values: Array, count: NDArray[np.intp], percent: float) -> Array:
     """Return the percentile of each row, between neighbouring values in proportion."""
     ranked = np.sort(values, axis=1)  # NaN come last
@@ -44,4 +69,6 @@ def _percentile(values: Array, count: NDArray[np.intp], percent: float) -> Array
     below = np.floor(place).astype(np.intp)
     rows = np.arange(values.shape[0])
     low, high = ranked[rows, below], ranked[rows, np.minimum(below + 1, last)]
-    return np.asarray(np.where(low == high, low, low + (place - below) * (high - low)))
+    with np.errstate(invalid="ignore"):  # infinite values, which are equal
+        between = low + (place - below) * (high - low)
+    return np.asarray(np.where(low == high, low, between))

@@ -13,8 +13,8 @@ from stiffkit.study.quantities import QUANTITIES
 from stiffkit.study.sweep.directory import StudyDirectory
 from stiffkit.study.sweep.engine import GeometryStatus, Rows
 from stiffkit.study.sweep.files import write_whole
-from stiffkit.study.sweep.spec import Column
-from stiffkit.units import parse_quantity, si_unit
+from stiffkit.study.sweep.spec import Column, StudySpec, slope_name
+from stiffkit.units import si_unit_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -50,17 +50,12 @@ def make_table(directory: StudyDirectory) -> xr.Dataset:
     values = np.concatenate([directory.values(i) for i in range(directory.n_chunks)], axis=1)
     coordinates: dict[str, Any] = {"model": list(spec.models), "coordinate": list(directory.swept)}
     for varied, own in zip(spec.varied, values, strict=True):
-        about = {"units": _si_unit(varied.unit), "long_name": f"parameter {varied.name}"}
+        about = {"units": si_unit_of(varied.unit) or "1", "long_name": f"parameter {varied.name}"}
         coordinates[varied.name] = ("geometry", own, about)
     columns = {column.name: column for column in spec.columns}
-    data = {name: _variable(name, array, columns) for name, array in arrays.items()}
+    slopes = _slopes(spec)
+    data = {name: _variable(name, array, columns, slopes) for name, array in arrays.items()}
     return xr.Dataset(data, coordinates, _attributes(directory))
-
-
-def _si_unit(unit: str) -> str:
-    """Return the SI unit of what is written in a unit, "1" for a number that fits any."""
-    dims = parse_quantity(f"1 {unit}").dims if unit else None
-    return (si_unit(dims) if dims else "") or "1"
 
 
 _COUNTS = {
@@ -70,8 +65,28 @@ _COUNTS = {
 }
 
 
+def _slopes(spec: StudySpec) -> dict[str, dict[str, Any]]:
+    """Return what is said of each column of derivatives."""
+    return {
+        slope_name(column, varied.name): {
+            "units": _over(QUANTITIES[column.quantity].units, si_unit_of(varied.unit)),
+            "long_name": f"derivative of the {describe(column)} by {varied.name}",
+        }
+        for column in spec.columns
+        for varied in spec.varied
+    }
+
+
+def _over(unit: str, other: str) -> str:
+    """Return the unit of a derivative."""
+    return f"{unit}/({other})" if other else unit
+
+
 def _variable(
-    name: str, values: NDArray[np.generic], columns: dict[str, Column]
+    name: str,
+    values: NDArray[np.generic],
+    columns: dict[str, Column],
+    slopes: dict[str, dict[str, Any]],
 ) -> tuple[tuple[str, ...], NDArray[np.generic], dict[str, Any]]:
     if name == "geometry_status":
         flags = {
@@ -82,7 +97,8 @@ def _variable(
     if name == "reason":
         return ("geometry",), values, {"long_name": "why a geometry has no results"}
     if name == "frequency_first":
-        about = {"units": "Hz", "long_name": "lowest natural frequency, refined model"}
+        lowest = QUANTITIES[name]
+        about = {"units": lowest.units, "long_name": f"{lowest.long_name}, refined model"}
         return ("frequency_posture", "geometry"), values, about
     if name == "frequency_error":
         about = {
@@ -95,6 +111,8 @@ def _variable(
     if name in columns:
         column = columns[name]
         return ("model", "geometry"), values, _about(column)
+    if name in slopes:
+        return ("model", "geometry"), values, slopes[name]
     column = columns[name.removesuffix("_at")]
     about = {"units": "m, rad", "long_name": f"tool pose of the {describe(column)}"}
     return ("model", "coordinate", "geometry"), values, about

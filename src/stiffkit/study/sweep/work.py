@@ -19,6 +19,7 @@ from stiffkit.compiled.threads import limited_threads
 from stiffkit.errors import StiffkitError
 from stiffkit.kinematics.numeric import one_thread
 from stiffkit.study.sweep.anchors import Anchors
+from stiffkit.study.sweep.derivatives import add_derivatives
 from stiffkit.study.sweep.engine import Engine, Rows
 from stiffkit.study.sweep.family import Family
 from stiffkit.study.sweep.frequencies import Basis, LowestFrequencies
@@ -101,7 +102,11 @@ def compute_chunk(job: dict[str, Any], reference: Reference, values: Array) -> R
     """
     # One chunk at a time: what an engine remembers is not made for several threads.
     with _lock, one_thread(), limited_threads(1):
-        return _engine(Job(**job), reference).rows(values)
+        engine = _engine(Job(**job), reference)
+        rows = engine.rows(values)
+        if engine.spec.derivatives:
+            add_derivatives(rows, engine, values)
+        return rows
 
 
 _lock = Lock()
