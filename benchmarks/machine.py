@@ -16,6 +16,7 @@ LENGTH = 64
 WIDTH = 512
 """Numbers side by side: inputs and outputs stay in the first-level cache."""
 CALLS = 200
+ROW = 4096
 
 
 @dataclass(frozen=True)
@@ -30,6 +31,9 @@ class Machine:
     """Floating-point operations per second of chains of multiply-adds, two for each."""
     numpy_multiply_adds: float
     """The same by NumPy on arrays of 1000 numbers, for what interpreting costs at best."""
+    row_writes: float
+    """Bytes per second into the rows of a large array, `ROW` numbers at a time: so maps are written
+    down."""
 
 
 def measure() -> Machine:
@@ -41,6 +45,7 @@ def measure() -> Machine:
         platform.python_version(),
         peak(),
         _numpy(),
+        _row_writes(),
     )
 
 
@@ -76,3 +81,14 @@ def _numpy() -> float:
             np.add(c, a, out=c)
 
     return 2.0 * 2000 * 1000 / fastest_seconds(work)
+
+
+def _row_writes() -> float:
+    array, row = np.zeros((150, 100 * ROW)), np.ones(ROW)
+
+    def work() -> None:
+        for start in range(0, array.shape[1], ROW):
+            for into in array:
+                into[start : start + ROW] = row
+
+    return array.nbytes / fastest_seconds(work, 3)

@@ -47,24 +47,23 @@ def _processor_seconds() -> float:
 
 def seconds(work: Callable[[], object], repeats: int = 5) -> float:
     """Return the median time of some work, after one run that is not counted."""
-    work()
-    times = []
-    for _ in range(repeats):
-        start = time.perf_counter()
-        work()
-        times.append(time.perf_counter() - start)
-    return statistics.median(times)
+    return statistics.median(_times(work, repeats))
 
 
 def fastest_seconds(work: Callable[[], object], repeats: int = 5) -> float:
     """Return the shortest time of some work: what it takes when nobody else is at the machine."""
+    return min(_times(work, repeats))
+
+
+def _times(work: Callable[[], object], repeats: int) -> list[float]:
+    """Return the times of some work, after one run that is not counted."""
     work()
     times = []
     for _ in range(repeats):
         start = time.perf_counter()
         work()
         times.append(time.perf_counter() - start)
-    return min(times)
+    return times
 
 
 def process_seconds(command: Sequence[str], repeats: int = 5) -> float:

@@ -13,16 +13,15 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections import Counter
-from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from benchmarks.clock import KernelClock
 from benchmarks.measure import Cost, cost, peak_bytes
-from stiffkit.compiled import BatchFunction, limited_threads
+from stiffkit.compiled import limited_threads
 from stiffkit.robot import load_robot
 from stiffkit.study import Analysis, map_workspace, write_dataset
 from stiffkit.study.grid import pose_grid
@@ -69,7 +68,7 @@ def measure(name: str, threads: int) -> Stages:
 
 def print_measured(name: str, threads: int) -> None:
     """Measure in this process, and print the result as JSON."""
-    clock = _KernelClock()
+    clock = KernelClock()
     clock.install()
     points = POINTS[name]
     begin = time.perf_counter()
@@ -118,38 +117,3 @@ def _closure(analysis: Analysis, points: int, threads: int) -> float:
         return statistics.median(
             cost(lambda: postures_of(analysis, grid)).wall for _ in range(REPEATS)
         )
-
-
-class _KernelClock:
-    """Adds up what the calls of compiled kernels take, by the kernels' names."""
-
-    def __init__(self) -> None:
-        self.seconds: Counter[str] = Counter()
-
-    def install(self) -> None:
-        """Let every kernel that is compiled from now on be timed."""
-        compile_kernel: Callable[[BatchFunction], Any] = BatchFunction.compile
-        clock = self
-
-        def compile_timed(function: BatchFunction) -> Any:
-            return _Timed(compile_kernel(function), function.kernel.name, clock.seconds)
-
-        BatchFunction.compile = compile_timed  # type: ignore[assignment, method-assign]
-
-
-class _Timed:
-    """A compiled function that tells what its calls take."""
-
-    def __init__(self, function: Any, name: str, seconds: Counter[str]) -> None:
-        self._function = function
-        self._name = name
-        self._seconds = seconds
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._function, name)
-
-    def __call__(self, *args: Any, **keywords: Any) -> Any:
-        start = time.thread_time()
-        result = self._function(*args, **keywords)
-        self._seconds[self._name] += time.thread_time() - start  # type: ignore[assignment]
-        return result

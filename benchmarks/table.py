@@ -22,6 +22,11 @@ def table(heads: Sequence[str], rows: Sequence[Sequence[Cell]]) -> str:
     return "\n".join(lines)
 
 
+def show(title: str, heads: Sequence[str], rows: Sequence[Sequence[Cell]]) -> None:
+    """Print a table under its title."""
+    print(f"{title}\n{table(heads, rows)}\n", flush=True)
+
+
 def _text(cell: Cell) -> str:
     if isinstance(cell, float):
         return f"{cell:.3g}" if abs(cell) < 1e3 else f"{cell:.0f}"

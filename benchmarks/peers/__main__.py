@@ -7,6 +7,7 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
@@ -15,8 +16,10 @@ import numpy as np
 from benchmarks.peers import case
 from benchmarks.table import table
 
-PEERS = ("opensees", "pynite")
+PEERS = ("opensees", "pynite", "exudyn", "pinocchio")
 POSTURES = 50
+MOST = {"compliance": 0.01, "frequencies": 0.02}
+"""How far a program may be from ours: all cut beams into few elements, each in its own way."""
 
 
 def main() -> None:
@@ -36,14 +39,15 @@ def main() -> None:
                 (
                     *(a.program, a.version, a.first_static, a.static_rate),
                     ours.static_rate / a.static_rate,
-                    _difference(a.compliance, ours.compliance),
+                    difference(a.compliance, ours.compliance),
                     *(a.first_modes, a.modes_rate, ours.modes_rate / a.modes_rate),
-                    _difference(a.frequencies, ours.frequencies),
+                    difference(a.frequencies, ours.frequencies),
                 )
                 for a in answers
             ],
         )
     )
+    print("times are of a processor, one thread")
     print("compliance, frequencies: largest difference from ours, over the largest of a posture")
     for a in answers:
         print(f"{a.program}: {a.way}")
@@ -51,6 +55,19 @@ def main() -> None:
     results = [asdict(a) for a in answers]
     arguments.json.write_text(json.dumps(results, indent=1), encoding="utf-8")
     print(f"numbers in {arguments.json}")
+    if apart := disagreeing(answers):
+        sys.exit(f"not the same task any more: {', '.join(apart)} differ from ours")
+
+
+def disagreeing(answers: Sequence[case.Answer]) -> list[str]:
+    """Return what is further from the first answer than it may: "the frequencies of PyNite"."""
+    ours, *others = answers
+    return [
+        f"the {what} of {a.program}"
+        for a in others
+        for what, most in MOST.items()
+        if not difference(getattr(a, what), getattr(ours, what)) <= most
+    ]
 
 
 def _answer(python: str, program: str) -> case.Answer:
@@ -61,7 +78,7 @@ def _answer(python: str, program: str) -> case.Answer:
     return case.Answer(**json.loads(done.stdout.splitlines()[-1]))
 
 
-def _difference(theirs: list[list[float]] | list[case.Matrix], ours: object) -> float:
+def difference(theirs: list[list[float]] | list[case.Matrix], ours: object) -> float:
     """Return the largest difference of N postures, each over the largest number of its own."""
     a, b = np.array(theirs, dtype=float), np.array(ours, dtype=float)
     axes = tuple(range(1, a.ndim))

@@ -71,10 +71,10 @@ class Answer:
     frequencies: list[list[float]]
     """(N, 4), Hz."""
     first_static: float
-    """s for the compliance of one posture, model built, libraries loaded before."""
+    """s of a processor for the compliance of one posture, model built, libraries loaded before."""
     first_modes: float
     static_rate: float
-    """Postures per second, one after another."""
+    """Postures per second of a processor, one after another."""
     modes_rate: float
 
 
@@ -104,9 +104,9 @@ def _timed(
     work: Callable[[Posture], _Result], some: list[Posture]
 ) -> tuple[list[_Result], float, float]:
     """Return the results, the time of the first posture, and that of all of them once more."""
-    start = time.perf_counter()
+    start = time.process_time()
     work(some[0])
-    first = time.perf_counter() - start
-    start = time.perf_counter()
+    first = time.process_time() - start
+    start = time.process_time()
     results = [work(p) for p in some]
-    return results, first, time.perf_counter() - start
+    return results, first, time.process_time() - start
