@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import resource
 import shutil
 from pathlib import Path
 from typing import Any
@@ -19,18 +18,17 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 pytestmark = pytest.mark.skipif(not heyoka_available(), reason="takes long without a compiler")
 
 
-def designed(name: str, here: Path) -> tuple[dict[str, Any], float]:
-    """Return what a study ends at, and the processors' time that it took, s."""
+def designed(name: str, here: Path) -> dict[str, Any]:
+    """Return what a study ends at."""
     shutil.copy(EXAMPLES / name, here)
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
     ended = run("design", name, "-o", "out", "--no-report", "--json", cwd=here, timeout=600)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
     assert ended.returncode == 0, ended.stderr
-    return json.loads(ended.stdout), after.ru_utime - before.ru_utime
+    found: dict[str, Any] = json.loads(ended.stdout)
+    return found
 
 
 def test_a_stiffer_orthoglide_of_the_same_workspace_and_mass(tmp_path: Path) -> None:
-    found, seconds = designed("orthoglide-design.yaml", tmp_path)
+    found = designed("orthoglide-design.yaml", tmp_path)
     start, best = found["start"], found["best"]["refined"]
     assert best["weakest"]["refined"] > 3.5 * start["weakest"]["refined"]
     assert best["twist"]["refined"] > start["twist"]["refined"]
@@ -38,12 +36,11 @@ def test_a_stiffer_orthoglide_of_the_same_workspace_and_mass(tmp_path: Path) -> 
     assert best["reached"]["refined"] == 1.0
     # Evolution alone needs 1000 geometries for a design that is less stiff.
     assert found["evaluations"]["gradient"]["geometries"] < 200
-    assert seconds < 60.0
 
 
 def test_the_models_disagree_on_the_best_biglide(tmp_path: Path) -> None:
     """The conclusion of Briot et al. 2009, section 2.3."""
-    found, seconds = designed("biglide-design.yaml", tmp_path)
+    found = designed("biglide-design.yaml", tmp_path)
     start, best = found["start"], found["best"]
     refined, simplified = best["refined"], best["simplified"]
     assert refined["weakest"]["refined"] > 1.4 * start["weakest"]["refined"]
@@ -54,4 +51,3 @@ def test_the_models_disagree_on_the_best_biglide(tmp_path: Path) -> None:
     assert simplified["L1"] + simplified["L2"] > start["L1"] + start["L2"]
     assert refined["L1"] + refined["L2"] < start["L1"] + start["L2"]
     assert simplified["weakest"]["refined"] < start["weakest"]["refined"]
-    assert seconds < 60.0

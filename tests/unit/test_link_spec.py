@@ -157,7 +157,8 @@ def test_robot_files_describe_parts_alike() -> None:
     ):
         assert robot[name] == own["$defs"][name], name
     inline = dict(robot["cad"]["properties"])
-    assert all(inline.pop(key) for key in ("file", "part", "dimensions"))
+    # A file that stands alone has no parameters to follow.
+    assert all(inline.pop(key) for key in ("file", "part", "dimensions", "between"))
     assert inline == {k: v for k, v in own["properties"].items() if k not in ("link", "cad")}
 
 

@@ -31,6 +31,9 @@ MOST_LINES = 60
 MARGIN = 0.05
 """How far the axis of a result goes beyond all that is drawn, over its span."""
 
+_ROUNDING = 1e-6
+"""Differences below this share of the values are rounding, or what optimisers leave."""
+
 _BEYOND = "#c9c9c9"
 _START: Mapping[str, Any] = {
     "color": style.INK,
@@ -132,7 +135,9 @@ def _limits(column: Column, model: str, drawn: NDArray[np.intp]) -> Array:
         values = column.values[model][drawn]
         known = values[np.isfinite(values)]
         low, high = (known.min(), known.max()) if known.size else (0.0, 1.0)
-        margin = MARGIN * (high - low)
+        size = max(abs(low), abs(high))
+        # What differs by rounding only lies in the middle of its axis.
+        margin = MARGIN * (high - low if high - low > _ROUNDING * size else size)
         low, high = low - margin, high + margin
     return column.unit.of([low, high if high > low else low + (abs(low) or 1.0)])
 

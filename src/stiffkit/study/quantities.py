@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiffkit.smallmat import vector
-from stiffkit.stiffness import DEFLECTIONS, STIFFNESSES, Reading
+from stiffkit.stiffness import DEFLECTIONS, STIFFNESSES, Reading, deflection
 from stiffkit.units import (
     ANGLE,
     FREQUENCY,
@@ -67,6 +67,13 @@ class Quantity:
         """Return the quantity (...) of many postures, whose ``source`` is ``values`` (n, ...)."""
         with np.errstate(all="ignore"):
             return np.asarray(self.read(vector(values)))
+
+    def of_compliance(self, lower: Array, wrench: Array | None = None) -> Array:
+        """Return the quantity (...) of compliances given by their lower triangles (21, ...), SI.
+
+        ``wrench`` (6,) is that of the load case, where it is the quantity of one.
+        """
+        return self.of(lower if wrench is None else deflection(lower, wrench))
 
 
 _UNITS = {

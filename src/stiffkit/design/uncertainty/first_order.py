@@ -16,7 +16,7 @@ from stiffkit.design.uncertainty.links import covariance_of
 from stiffkit.design.uncertainty.spec import Asked, UncertaintySpec
 from stiffkit.errors import StiffkitError
 from stiffkit.kinematics import Status
-from stiffkit.stiffness import Model, deflection
+from stiffkit.stiffness import Model
 from stiffkit.study.quantities import QUANTITIES
 from stiffkit.study.sweep.engine import Engine
 from stiffkit.study.sweep.family import Family
@@ -124,10 +124,9 @@ class FirstOrder:
 
     def values(self, asked: Asked, lower: Array) -> Array:
         """Return a quantity (...), SI, of compliances given by their lower triangles (21, ...)."""
-        quantity = QUANTITIES[asked.quantity]
-        if not quantity.per_load:
-            return quantity.of(lower)
-        return quantity.of(deflection(lower, self.family.robot.loads[str(asked.load)].wrench))
+        load = asked.load
+        wrench = None if load is None else self.family.robot.loads[load].wrench
+        return QUANTITIES[asked.quantity].of_compliance(lower, wrench)
 
     def _variances(self, asked: Asked, model: Model, at: NDArray[np.intp], lower: Array) -> Array:
         traced = self.postures.traced(asked.quantity, asked.load, model, at, lower)

@@ -103,11 +103,8 @@ class Gradients:
         if quantity.source == "frequencies":
             return self._frequency(postures, column, ok)
         load = column.load
-        if quantity.per_load:
-            wrench = postures.geometry.robot.loads[str(load)].wrench
-            values = quantity.of(deflection(lower, wrench))
-        else:
-            values = quantity.of(lower)
+        wrench = None if load is None else postures.geometry.robot.loads[load].wrench
+        values = quantity.of_compliance(lower, wrench)
         result = float(reduce(column, values[None])[0][0])
         if not np.isfinite(result):
             # A direction that does not yield at all keeps on doing so.
