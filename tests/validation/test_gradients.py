@@ -17,7 +17,6 @@ from stiffkit.stiffness import Model, deflection
 from stiffkit.stiffness.indices import full_matrices
 from stiffkit.study.quantities import QUANTITIES
 from stiffkit.study.sweep.closing import Closing
-from stiffkit.study.sweep.differences import steps_of
 from stiffkit.study.sweep.engine import Engine, compliances
 from stiffkit.study.sweep.family import Family, Geometry
 from stiffkit.study.sweep.gradients import Gradients, PosturesOf
@@ -49,6 +48,11 @@ def engine_of(name: str, models: tuple[Model, ...] = ("refined",)) -> Engine:
     return Engine(groups, make_anchors(groups), None)
 
 
+def sizes_of(postures: PosturesOf) -> Array:
+    """Return how large the parameters are (k,), by their values or their ranges."""
+    return np.asarray(np.maximum(np.abs(postures.values), 0.1 * postures.family.span))
+
+
 def inner_postures(postures: PosturesOf) -> NDArray[np.intp]:
     """Return a few postures that are not at the workspace's ends."""
     grid = postures.family.grid
@@ -63,7 +67,7 @@ def inner_postures(postures: PosturesOf) -> NDArray[np.intp]:
 def neighbours(engine: Engine, postures: PosturesOf) -> list[tuple[int, float, Geometry]]:
     """Return (parameter, weight, geometry): weighted sums over them are derivatives."""
     found = []
-    for i, step in enumerate(1e3 * steps_of(postures.values, engine.family.span)):
+    for i, step in enumerate(sizes_of(postures)):
         for share, weight in STENCIL:
             for sign in (1.0, -1.0):
                 moved = postures.values.copy()
@@ -113,7 +117,7 @@ def test_compliances_and_deflections(name: str) -> None:
     assert ok[at].all()
     around = neighbours(engine, postures)
     moved = solved(engine, postures, around, "refined")[:, :, at]
-    sizes = np.maximum(np.abs(postures.values), 0.1 * engine.family.span)[:, None]
+    sizes = sizes_of(postures)[:, None]
 
     def check(quantity: str, load: str | None, values: Array, here: Array) -> None:
         expected = by_differences(values, around, postures.values.size)
@@ -154,7 +158,7 @@ def test_frequencies(name: str) -> None:
         values.append([next(model.at_each(q, 1)).frequencies_hz[0]])
     lowest, found = postures.frequency_slopes(at)
     expected = by_differences(np.array(values), around, postures.values.size)
-    sizes = np.maximum(np.abs(postures.values), 0.1 * engine.family.span)[:, None]
+    sizes = sizes_of(postures)[:, None]
     assert (np.abs(found - expected) * sizes / lowest).max() < 1e-6
 
 
@@ -167,7 +171,7 @@ def test_postures_follow_their_parameters(name: str) -> None:
     at = inner_postures(postures)
     tangent = postures.unknowns_slopes(at)
     residuals = GeometriesFunction(postures.group.closure.residuals(), "numpy")
-    for i, step in enumerate(0.1 * steps_of(postures.values, engine.family.span)):
+    for i, step in enumerate(1e-4 * sizes_of(postures)):
         sizes = []
         for share in (1.0, 0.5):
             moved = postures.values.copy()
