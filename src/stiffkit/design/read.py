@@ -19,15 +19,15 @@ from stiffkit.design.spec import (
     Objective,
     Variable,
 )
-from stiffkit.files import Entry, Problems, Scope, check_shape, read_source, read_tree
-from stiffkit.robot import Robot, load_robot
+from stiffkit.files import Entry, Problems
+from stiffkit.robot import Robot
 from stiffkit.study.sweep.written import (
     check_masses,
     check_parameter,
+    open_about_robot,
     read_count,
     read_models,
     read_parameter,
-    read_robot_name,
     values_of_parameters,
 )
 
@@ -54,11 +54,8 @@ def read_design(path: Path) -> DesignSpec:
     Raises FileError, with the place and how to mend it, where anything is wrong with it or with the
     robot file that it names.
     """
-    root = read_tree(read_source(path), "design: TITLE")
-    check_shape(root, path, SCHEMA_FILE)
-    entry = Entry(path, (), root)
-    name = read_robot_name(entry["robot"])
-    return _Reader(entry, load_robot(name)).read(name)
+    entry, name, robot = open_about_robot(path, "design: TITLE", SCHEMA_FILE)
+    return _Reader(entry, robot).read(name)
 
 
 class _Reader:
@@ -67,7 +64,7 @@ class _Reader:
     def __init__(self, entry: Entry, robot: Robot) -> None:
         self.robot = robot
         self.parameters = values_of_parameters(robot)
-        self.entry = Entry(entry.path, (), entry.node, Scope(self.parameters))
+        self.entry = entry
         self.taken: dict[str, str] = dict.fromkeys(RESERVED, "of the result")
         """Names, and whose they are."""
 

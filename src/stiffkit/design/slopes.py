@@ -12,6 +12,7 @@ from stiffkit.design.evaluation import Evaluation, alone, reduced
 from stiffkit.design.solved import mass_of
 from stiffkit.design.space import Space
 from stiffkit.study.quantities import QUANTITIES
+from stiffkit.study.sweep import Column
 from stiffkit.study.sweep.differences import derivatives, steps_of
 from stiffkit.study.sweep.gradients import Gradients, PosturesOf
 
@@ -94,6 +95,8 @@ class Slopes:
         own = self.space.parameters(u[:, None])[:, 0]
         by_parameters = np.full((len(rows), own.size), np.nan)
         self.evaluation.count += 1
+        name = self.evaluation.spec.models[model]
+        whole: dict[int, Column] = {}
         alike: dict[tuple[str, str | None], list[int]] = {}
         with alone():
             for i, row in enumerate(rows):
@@ -101,16 +104,17 @@ class Slopes:
                 if column is None:
                     by_parameters[i] = self._mass(own)
                 elif row.place < 0:
-                    name = self.evaluation.spec.models[model]
-                    by_parameters[i] = self._exact.at(own, [column], name).slopes[0]
+                    whole[i] = column
                 else:
                     alike.setdefault((column.quantity, column.load), []).append(i)
-            postures = self._exact.postures(own) if alike else None
-            for (quantity, load), which in alike.items():
-                if postures is not None:
+            postures = self._exact.postures(own) if whole or alike else None
+            if postures is not None:
+                if whole:
+                    found = self._exact.of(postures, list(whole.values()), name)
+                    by_parameters[list(whole)] = found.slopes
+                for (quantity, load), which in alike.items():
                     at = np.array([rows[i].place for i in which], dtype=np.intp)
-                    found = self._at_postures(postures, quantity, load, model, at)
-                    by_parameters[which] = found.T
+                    by_parameters[which] = self._at_postures(postures, quantity, load, model, at).T
         return by_parameters[:, self.space.rows[self.space.continuous]] * self.space.span
 
     def _mass(self, own: Array) -> Array:

@@ -17,16 +17,16 @@ from stiffkit.design.uncertainty.spec import (
     UncertaintySpec,
 )
 from stiffkit.errors import LinkError
-from stiffkit.files import Entry, Problems, Scope, check_shape, read_source, read_tree, suggest
+from stiffkit.files import Entry, Problems, suggest
 from stiffkit.files.shares import read_share
-from stiffkit.robot import DIRECTIONS, Robot, load_robot
+from stiffkit.robot import DIRECTIONS, Robot
 from stiffkit.study.quantities import QUANTITIES
 from stiffkit.study.sweep.written import (
     check_parameter,
+    open_about_robot,
     read_count,
     read_models,
     read_parameter,
-    read_robot_name,
     values_of_parameters,
 )
 
@@ -55,11 +55,8 @@ def read_uncertainty(path: Path) -> UncertaintySpec:
     Raises FileError, with the place and how to mend it, where anything is wrong with it or with the
     robot file that it names.
     """
-    root = read_tree(read_source(path), "uncertainty: TITLE")
-    check_shape(root, path, SCHEMA_FILE)
-    entry = Entry(path, (), root)
-    name = read_robot_name(entry["robot"])
-    return _Reader(entry, load_robot(name)).read(name)
+    entry, name, robot = open_about_robot(path, "uncertainty: TITLE", SCHEMA_FILE)
+    return _Reader(entry, robot).read(name)
 
 
 class _Reader:
@@ -68,7 +65,7 @@ class _Reader:
     def __init__(self, entry: Entry, robot: Robot) -> None:
         self.robot = robot
         self.values = values_of_parameters(robot)
-        self.entry = Entry(entry.path, (), entry.node, Scope(self.values))
+        self.entry = entry
 
     def read(self, robot: str) -> UncertaintySpec:
         problems = Problems()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,18 +26,21 @@ def add_derivatives(rows: Rows, engine: Engine, values: Array) -> None:
     columns = [column for column in spec.columns if column.has_slope]
     found = np.full((len(columns), len(spec.varied), len(spec.models), n), np.nan)
     for g in np.flatnonzero(rows["geometry_status"] == GeometryStatus.OK):
+        # Where there is no geometry beside this one they stay NaN.
+        postures = None
+        with suppress(StiffkitError):
+            postures = gradients.postures(values[:, g])
+        if postures is None:
+            continue
         for m, model in enumerate(spec.models):
             own = [
                 i
                 for i, column in enumerate(columns)
-                if (model == "refined" or QUANTITIES[column.quantity].source != "frequencies")
+                if model == "refined" or QUANTITIES[column.quantity].source != "frequencies"
             ]
-            try:
-                slopes = gradients.at(values[:, g], [columns[i] for i in own], model).slopes
-            except StiffkitError:
-                # Beside this geometry there is none.
-                continue
-            found[own, :, m, g] = slopes
+            with suppress(StiffkitError):
+                slopes = gradients.of(postures, [columns[i] for i in own], model).slopes
+                found[own, :, m, g] = slopes
     for i, column in enumerate(columns):
         for j, varied in enumerate(spec.varied):
             rows[slope_name(column, varied.name)] = found[i, j]

@@ -72,11 +72,18 @@ class Gradients:
         Raises FileError or PoseError where there can be no such robot.
         """
         postures = self.postures(values)
-        found = Gradient(
-            np.full(len(columns), np.nan), np.full((len(columns), values.size), np.nan)
-        )
         if postures is None:
-            return found
+            return Gradient(
+                np.full(len(columns), np.nan), np.full((len(columns), values.size), np.nan)
+            )
+        return self.of(postures, columns, model)
+
+    def of(
+        self, postures: PosturesOf, columns: Sequence[Column], model: Model = "refined"
+    ) -> Gradient:
+        """Return columns and derivatives of a geometry whose postures are known."""
+        k = postures.values.size
+        found = Gradient(np.full(len(columns), np.nan), np.full((len(columns), k), np.nan))
         lower, ok = postures.compliances(model)
         for i, column in enumerate(columns):
             one = self._column(postures, column, model, lower, ok)

@@ -7,17 +7,17 @@ from pathlib import Path
 
 import numpy as np
 
-from stiffkit.files import Entry, Problems, Scope, check_shape, read_source, read_tree
-from stiffkit.robot import Robot, load_robot
+from stiffkit.files import Entry, Problems
+from stiffkit.robot import Robot
 from stiffkit.stiffness import Model
 from stiffkit.study.sweep.spec import Column, StudySpec, Varied, slope_name
 from stiffkit.study.sweep.written import (
     check_masses,
     check_parameter,
+    open_about_robot,
     read_count,
     read_models,
     read_parameter,
-    read_robot_name,
     read_statistic,
     values_of_parameters,
 )
@@ -52,11 +52,7 @@ def read_study(path: Path) -> StudySpec:
     Raises FileError, with the place and how to mend it, where anything is wrong with it or with the
     robot file that it names.
     """
-    root = read_tree(read_source(path), "study: TITLE")
-    check_shape(root, path, SCHEMA_FILE)
-    entry = Entry(path, (), root)
-    name = read_robot_name(entry["robot"])
-    robot = load_robot(name)
+    entry, name, robot = open_about_robot(path, "study: TITLE", SCHEMA_FILE)
     return _Reader(entry, robot).read(name)
 
 
@@ -66,7 +62,7 @@ class _Reader:
     def __init__(self, entry: Entry, robot: Robot) -> None:
         self.robot = robot
         self.parameters = values_of_parameters(robot)
-        self.entry = Entry(entry.path, (), entry.node, Scope(self.parameters))
+        self.entry = entry
 
     def read(self, robot: str) -> StudySpec:
         problems = Problems()

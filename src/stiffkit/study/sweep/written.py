@@ -3,17 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
 from typing import cast
 
 from stiffkit.errors import UnitError
-from stiffkit.files import Entry, suggest
+from stiffkit.files import Entry, Scope, check_shape, read_source, read_tree, suggest
 from stiffkit.files.parameters import check_same_dimension
-from stiffkit.robot import Robot, list_robots
+from stiffkit.robot import Robot, list_robots, load_robot
 from stiffkit.stiffness import Model
 from stiffkit.study.frequencies import has_mass
 from stiffkit.study.quantities import QUANTITIES
 from stiffkit.study.sweep.spec import STATISTICS, Column, StatisticName
 from stiffkit.units import Value, parse_quantity
+
+
+def open_about_robot(path: Path, begin: str, schema: Path) -> tuple[Entry, str, Robot]:
+    """Return a file about a robot, and the robot that it names by name, read.
+
+    Expressions in it know the robot's parameters. ``begin`` is what an empty file is to begin with,
+    ``schema`` what its shape is checked against. Raises FileError where anything is wrong with it
+    or with the robot file.
+    """
+    root = read_tree(read_source(path), begin)
+    check_shape(root, path, schema)
+    entry = Entry(path, (), root)
+    name = read_robot_name(entry["robot"])
+    robot = load_robot(name)
+    return replace(entry, scope=Scope(values_of_parameters(robot))), name, robot
 
 
 def read_robot_name(entry: Entry) -> str:
