@@ -128,15 +128,7 @@ def _side_by_side(
             number + 1,
             projection="3d" if not sweep.is_grid and len(sweep.axes) == 3 else None,
         )
-        shown = sweep.axes[:2] if sweep.is_grid else sweep.axes[:3]
-        panel = Panel(
-            axes=shown,
-            coordinates=tuple(axis_unit(axis).of(sweep.coordinates[axis]) for axis in shown),
-            values=values,
-            status=status,
-            is_grid=sweep.is_grid,
-            scale=scale,
-        )
+        panel = Panel.of(sweep, values, status, scale)
         image = draw_panel(axes, panel, equal=aspect_of(sweep) is not None)
         style.set_title(axes, name)
         all_axes.append(axes)

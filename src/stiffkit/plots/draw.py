@@ -64,6 +64,22 @@ class Panel:
     levels: Array | None = None
     """Contour lines; round values of this panel's own by default."""
 
+    @staticmethod
+    def of(
+        sweep: Sweep,
+        values: Array,
+        status: NDArray[np.int8],
+        scale: Scale,
+        colours: str = style.MAP_COLOURS,
+    ) -> Panel:
+        """Return a panel over the first two swept coordinates of a grid, up to three of points.
+
+        ``values`` and ``status`` are those of the cut that is shown, values in display units.
+        """
+        axes = sweep.axes[:2] if sweep.is_grid else sweep.axes[:3]
+        coordinates = tuple(axis_unit(axis).of(sweep.coordinates[axis]) for axis in axes)
+        return Panel(axes, coordinates, values, status, sweep.is_grid, scale, colours)
+
 
 def axis_label(axis: str) -> str:
     """Return the label of a tool coordinate, such as "x (mm)"."""

@@ -71,7 +71,7 @@ def map_figure(dataset: xr.Dataset, quantity: str, model: str, load: str | None 
     title = _what_of(what, load)
     if sweep.is_grid and len(sweep.axes) > 2:
         return _slices(sweep, values, status, unit, f"{title}, {model} model")
-    return _single(_panel(sweep, values, status, Scale.of(values)), sweep, unit, title, model)
+    return _single(Panel.of(sweep, values, status, Scale.of(values)), sweep, unit, title, model)
 
 
 @style.styled
@@ -109,38 +109,21 @@ def model_comparison_figure(dataset: xr.Dataset, quantity: str, load: str | None
     cut = _plane(sweep, middle)
     scale = Scale.of(*(values[cut] for values in both.values()))
     panels = [
-        (f"{model} model", _panel(sweep, both[model][cut], statuses[model][cut], scale))
+        (f"{model} model", Panel.of(sweep, both[model][cut], statuses[model][cut], scale))
         for model in ("refined", "simplified")
     ]
     if np.isfinite(ratio[cut]).any():
         of_ratio = Scale.of(ratio[cut])
         status = statuses["refined"][cut]
         panels.append(
-            ("refined / simplified", _panel(sweep, ratio[cut], status, of_ratio, is_ratio=True))
+            (
+                "refined / simplified",
+                Panel.of(sweep, ratio[cut], status, of_ratio, style.RATIO_COLOURS),
+            )
         )
     if middle:
         title += f", at {_fixed(sweep, middle)}"
     return _side_by_side(panels, sweep, unit, title)
-
-
-def _panel(
-    sweep: Sweep,
-    values: Array,
-    status: NDArray[np.int8],
-    scale: Scale,
-    *,
-    is_ratio: bool = False,
-) -> Panel:
-    axes = sweep.axes[:2] if sweep.is_grid else sweep.axes[:3]
-    return Panel(
-        axes=axes,
-        coordinates=tuple(axis_unit(axis).of(sweep.coordinates[axis]) for axis in axes),
-        values=values,
-        status=status,
-        is_grid=sweep.is_grid,
-        scale=scale,
-        colours=style.RATIO_COLOURS if is_ratio else style.MAP_COLOURS,
-    )
 
 
 def _single(panel: Panel, sweep: Sweep, unit: DisplayUnit, title: str, model: str) -> Figure:
@@ -171,7 +154,7 @@ def _slices(
     levels = scale.levels(volume, count=5)
     for axes, index in zip(grid.flat, chosen, strict=False):
         cut = _plane(sweep, (int(index), *rest))
-        panel = replace(_panel(sweep, values[cut], status[cut], scale), levels=levels)
+        panel = replace(Panel.of(sweep, values[cut], status[cut], scale), levels=levels)
         image = draw_panel(axes, panel, equal=aspect_of(sweep) is not None)
         style.set_title(axes, _fixed(sweep, (int(index), *rest)))
         axes.label_outer()

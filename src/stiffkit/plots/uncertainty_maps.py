@@ -18,7 +18,7 @@ from stiffkit.plots.curves import LineThrough, draw_curves, lines_through, model
 from stiffkit.plots.draw import Panel, add_legend, aspect_of, draw_panel, height_of, position_text
 from stiffkit.plots.quantities import kind_of
 from stiffkit.plots.scale import Scale, add_colour_bar
-from stiffkit.plots.sweep import Sweep, axis_unit, middle_posture, models_of, status_of, sweep_of
+from stiffkit.plots.sweep import middle_posture, models_of, status_of, sweep_of
 from stiffkit.plots.units import DisplayUnit, display_unit
 from stiffkit.study import QUANTITIES
 
@@ -88,7 +88,9 @@ def uncertainty_map_figure(dataset: xr.Dataset, name: str, model: str) -> Figure
     in_space = not sweep.is_grid and len(sweep.axes) > 2
     titles = (f"value, {model} model", "standard deviation, % of the value")
     for number, (values, title) in enumerate(zip((own.values, own.relative), titles, strict=True)):
-        panel = _panel(sweep, values[cut], own.status[cut], is_share=number == 1)
+        colours = style.RATIO_COLOURS if number == 1 else style.MAP_COLOURS
+        shown = values[cut]
+        panel = Panel.of(sweep, shown, own.status[cut], Scale.of(shown), colours)
         axes = figure.add_subplot(1, 2, number + 1, projection="3d" if in_space else None)
         image = draw_panel(axes, panel, equal=aspect_of(sweep) is not None)
         style.set_title(axes, title)
@@ -102,19 +104,6 @@ def uncertainty_map_figure(dataset: xr.Dataset, name: str, model: str) -> Figure
     style.set_heading(figure, f"{title}, at {place}" if place else title)
     add_legend(figure, [own.status[cut]], is_grid=sweep.is_grid)
     return figure
-
-
-def _panel(sweep: Sweep, values: Array, status: NDArray[np.int8], *, is_share: bool) -> Panel:
-    axes = sweep.axes[:2] if sweep.is_grid else sweep.axes[:3]
-    return Panel(
-        axes=axes,
-        coordinates=tuple(axis_unit(axis).of(sweep.coordinates[axis]) for axis in axes),
-        values=values,
-        status=status,
-        is_grid=sweep.is_grid,
-        scale=Scale.of(values),
-        colours=style.RATIO_COLOURS if is_share else style.MAP_COLOURS,
-    )
 
 
 @style.styled
