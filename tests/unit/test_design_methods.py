@@ -20,9 +20,10 @@ from design_cantilever import (  # type: ignore[import-not-found]
     sag,
 )
 
-from stiffkit.design import parameters_of, run_design, write_design_robot
+from stiffkit.design import parameters_of, read_design, run_design, write_design_robot
 from stiffkit.errors import OutputError, StiffkitError
 from stiffkit.robot import load_robot
+from stiffkit.study.sweep import prepare
 
 HEAD = """\
 vary:
@@ -127,7 +128,7 @@ def test_evolution_begins_with_what_gradients_found(study: Run) -> None:
 
 def test_without_pymoo_it_is_asked_for(study: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pymoo.core.problem", None)
-    with pytest.raises(StiffkitError, match="evolution needs pymoo"):
+    with pytest.raises(StiffkitError, match="pymoo is needed for evolution"):
         study(LIGHTEST + "method: {evolution: {population: 8, generations: 2}}\n")
 
 
@@ -237,6 +238,40 @@ class TestClashes:
             "method: {grid: {}}\n"
         )
         assert "no design meets 'light'" in study(text).attrs["message"]
+
+
+class TestRangesWithoutARobot:
+    """Arms too short to meet: none of the designs asked for can be put together."""
+
+    TEXT = (
+        "design: Arms\nrobot: five-bar\npostures: 4\n"
+        "vary: {proximal: {from: 1 mm, to: 2 mm}}\n"
+        "objectives: {weakest: {maximise: {min: stiffness_translation_min}}}\n"
+        "method: {gradient: {starts: 2}, evolution: {population: 5, generations: 2},"
+        " global: {population: 5, generations: 2}}\n"
+    )
+
+    @pytest.fixture(autouse=True)
+    def _fewer_candidates(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr(prepare, "_MOST_IN_VAIN", 2)
+
+    def run(self, folder: Path, text: str) -> xr.Dataset:
+        (folder / "arms.yaml").write_text(text, encoding="utf-8")
+        return run_design(read_design(folder / "arms.yaml"))
+
+    def test_the_start_stays(self, tmp_path: Path) -> None:
+        designs = self.run(tmp_path, self.TEXT)
+        assert json.loads(designs.attrs["chosen"]) == {"refined": 0}
+        assert designs.feasible.sum() == 1
+        assert np.isnan(designs.weakest[0, 1:]).all()
+        # Descents have nothing to go by, and do not try.
+        assert json.loads(designs.attrs["evaluations"])["gradient"]["geometries"] < 40
+
+    def test_the_reason_is_told(self, tmp_path: Path) -> None:
+        bound = "constraints: {stiff: {min: stiffness_translation_min, above: 1e9 N/m}}\n"
+        message = self.run(tmp_path, self.TEXT + bound).attrs["message"]
+        assert "none of the designs that were looked at can be put together" in message
+        assert "'vary'" in message
 
 
 class KilledError(Exception):

@@ -50,13 +50,18 @@ def show_designs(designs: xr.Dataset) -> None:
         click.echo(click.style("infeasible: ", fg="red", bold=True) + line)
     for model in models:
         own = designs.sel(model=model)
-        feasible, on_front = int(own["feasible"].sum()), int(own["front"].sum())
-        click.echo(
-            f"{model}: {feasible} of {designs.sizes['design']} designs fulfil all constraints,"
-            f" {on_front} on the front"
-        )
+        click.echo(f"{model}: {_how_many(own)}")
     for method, took in json.loads(designs.attrs["evaluations"]).items():
         click.echo(f"{method}: {took['geometries']:.0f} designs evaluated, {took['seconds']:.1f} s")
+
+
+def _how_many(designs: xr.Dataset) -> str:
+    """Return in words how many designs are feasible by a model, and how many are on the front."""
+    feasible, total = designs["feasible"].values.astype(bool), designs.sizes["design"]
+    if feasible[0] and feasible.sum() == 1 and total > 1:
+        return f"of {total} designs only the start fulfils all constraints"
+    on_front = int(designs["front"].sum())
+    return f"{feasible.sum()} of {total} designs fulfil all constraints, {on_front} on the front"
 
 
 def _columns(models: list[str], chosen: dict[str, int]) -> list[tuple[str, int, str]]:

@@ -25,6 +25,12 @@ def explain(record: Record, judge: Judge, descent: Descent, designs: tuple[Array
     """
     search = _LeastViolation(record, judge, descent, designs)
     name = judge.spec.models[descent.model]
+    if not _reaches_anything(judge, designs[1][descent.model]):
+        return (
+            f"{name} model: none of the designs that were looked at can be put together and reach"
+            " any of its workspace. Give the parameters under 'vary' ranges in which there is a"
+            " robot"
+        )
     kept = list(range(len(judge.spec.constraints)))
     point, violations = search.least(kept)
     if not violations.any():
@@ -44,6 +50,12 @@ def explain(record: Record, judge: Judge, descent: Descent, designs: tuple[Array
     least = [_reading(judge, i, measures[i]) for i in kept]
     where = _at(search, point)
     return f"{name} model: {text}. The least violation found has {_listed(least)}, {where}"
+
+
+def _reaches_anything(judge: Judge, measures: Array) -> bool:
+    """Tell whether any of the designs, with measures (measures, n), reaches any pose."""
+    shares = [measures[r] for r, m in enumerate(judge.spec.measures) if m.kind == "reached"]
+    return bool(np.nan_to_num(np.array(shares)).any())
 
 
 class _LeastViolation:

@@ -104,7 +104,10 @@ class Descent:
         self._worst_case = [is_worst_case(m, s) for m, s in zip(measures, judge.signs, strict=True)]
 
     def run(self, start: Array, aim: Aim) -> Array:
-        """Return the point (k,) that is reached from a start (k,); whole numbers stay."""
+        """Return the point (k,) that is reached from a start (k,); whole numbers stay.
+
+        A start that cannot be put together stays as it is: without values nothing tells a way.
+        """
         if not aim.measures:
             return start
         u, rows = start, list[Row]()
@@ -117,11 +120,16 @@ class Descent:
         return u
 
     def _worst_rows(self, u: Array, aim: Aim, rows: list[Row]) -> list[Row]:
-        """Return rows that are missing at a point: all that are worse than those that are there."""
+        """Return rows that are missing at a point: all that are worse than those that are there.
+
+        There are none where the aim's measures have no values at all.
+        """
         fields = self.slopes.evaluation.fields(
             self.slopes.space.parameters(u[:, None]), self.model, aim.measures
         )
         found: list[Row] = []
+        if all(np.isnan(field).all() for field in fields.values()):
+            return found
         for measure in aim.measures:
             known = {row.place for row in rows if row.measure == measure}
             if not self._worst_case[measure]:

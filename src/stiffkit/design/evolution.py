@@ -10,10 +10,17 @@ from numpy.typing import NDArray
 from stiffkit.design.judge import TOLERANCE, Judge, front
 from stiffkit.design.record import Record
 from stiffkit.design.spec import Evolution
-from stiffkit.errors import StiffkitError
+from stiffkit.errors import optional
 from stiffkit.progress import Progress
 
 Array = NDArray[np.float64]
+
+
+def check_installed() -> None:
+    """Raise MissingExtraError if pymoo is not installed."""
+    other = "or give another 'method'"
+    with optional("pymoo", needed_for="evolution", extra="design", or_=other):
+        import pymoo.core.problem  # noqa: F401  # all of it is slow to import
 
 
 def run_evolution(
@@ -37,16 +44,11 @@ def run_evolution(
         progress: is told the share of the generations that are done.
 
     Raises:
-        StiffkitError: if pymoo is not installed.
+        MissingExtraError: if pymoo is not installed.
     """
-    try:
-        from pymoo.core.problem import Problem  # slow to import
-        from pymoo.optimize import minimize
-    except ImportError:
-        raise StiffkitError(
-            "evolution needs pymoo, which is not installed",
-            mend="install it with  pip install 'stiffkit[design]',  or give another 'method'",
-        ) from None
+    check_installed()
+    from pymoo.core.problem import Problem  # slow to import
+    from pymoo.optimize import minimize
 
     name = judge.spec.models[model]
     n_constraints = len(judge.spec.constraints)

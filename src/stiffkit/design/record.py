@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,7 +43,7 @@ class Record:
                 self._known[key] = measures
                 self._points.append(own)
             self._batches += 1
-        return np.stack([self._known[own.tobytes()] for own in u.T], axis=2)
+        return self._measures_at(u.T)
 
     def _evaluated(self, points: Array) -> Step:
         return {"measures": self.evaluation.at(self.space.parameters(points))}
@@ -70,6 +70,10 @@ class Record:
     @property
     def measures(self) -> Array:
         """Their measures (models, measures, n), SI."""
+        return self._measures_at(self._points)
+
+    def _measures_at(self, points: Iterable[Array]) -> Array:
+        """Return the measures (models, measures, n), SI, at points (k,); n can be 0."""
         shape = len(self.evaluation.spec.models), len(self.evaluation.measures)
-        found = [self._known[own.tobytes()] for own in self._points]
+        found = [self._known[own.tobytes()] for own in points]
         return np.moveaxis(np.array(found).reshape(-1, *shape), 0, 2)

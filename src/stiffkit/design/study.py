@@ -17,7 +17,7 @@ from stiffkit.design.clash import explain
 from stiffkit.design.dataset import About, Designs, make_dataset
 from stiffkit.design.descent import Descent
 from stiffkit.design.evaluation import Evaluation
-from stiffkit.design.evolution import run_evolution
+from stiffkit.design.evolution import check_installed, run_evolution
 from stiffkit.design.globally import run_global
 from stiffkit.design.grid import run_grid
 from stiffkit.design.journal import Journal
@@ -57,6 +57,8 @@ def run_design(
     ``designs.nc``. Raises OutputError where that holds something else or cannot be written, and
     whatever is wrong with the robot file's own design.
     """
+    if spec.methods.evolution is not None:
+        check_installed()  # before what takes long
     progress("preparing", 0.0)
     chosen = decided(backend or default_backend())
     if directory is None:

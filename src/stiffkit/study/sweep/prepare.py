@@ -20,15 +20,26 @@ Array = NDArray[np.float64]
 _CANDIDATES = 2000
 """Geometries among which anchors are chosen."""
 _MOST_ANCHORS = 64
+_MOST_IN_VAIN = 12
+"""Candidates in a row that are not reached before no more anchors are looked for.
+
+Each costs a good part of a second, whatever is asked of the study. Where so many far apart fail one
+after the other, hardly any geometry can be assembled, and those that can begin at the anchors that
+there are. It is a number of candidates and not a time, so that the anchors, and with them all rows,
+are the same on any machine.
+"""
 _MOST_POSTURES = 200_000
 """Postures of all anchors together."""
 _SMALLEST_PIECE = 1.0 / 8.0
 
 
 def make_anchors(groups: Groups) -> Anchors:
-    """Return the anchors of a study: the file's own geometry, and others far apart."""
+    """Return the anchors of a study: the file's own geometry, and others far apart.
+
+    Of a study whose geometries cannot be assembled the file's own is the only one.
+    """
     family = groups.family
-    anchors = _first(groups)
+    anchors = own_anchor(groups)
     wanted = int(np.clip(_MOST_POSTURES // family.n_postures, 1, _MOST_ANCHORS))
     spec = family.spec
     numbers = np.unique(np.linspace(0, spec.n_geometries - 1, _CANDIDATES).astype(np.intp))
@@ -36,19 +47,22 @@ def make_anchors(groups: Groups) -> Anchors:
     span = family.span
     apart = np.full(numbers.size, np.inf)
     newest = anchors.values[:, 0]
-    while anchors.number < wanted:
+    in_vain = 0
+    while anchors.number < wanted and in_vain < _MOST_IN_VAIN:
         difference = (candidates - newest[:, None]) / span[:, None]
         apart = np.minimum(apart, np.sum(difference**2, axis=0))
         if apart.max() == 0.0:
             break
         newest = candidates[:, int(np.argmax(apart))]
         found = _next(groups, anchors, newest)
-        if found is not None:
-            anchors = anchors.with_one_more(found)
+        if found is None:
+            in_vain += 1
+        else:
+            anchors, in_vain = anchors.with_one_more(found), 0
     return anchors
 
 
-def _first(groups: Groups) -> Anchors:
+def own_anchor(groups: Groups) -> Anchors:
     """Return the file's own geometry, solved as a map solves it."""
     family = groups.family
     values = family.own_values()
@@ -58,7 +72,7 @@ def _first(groups: Groups) -> Anchors:
     extra = [DIRECTIONS.index(d) for d in closure.auxiliary]
     q = np.concatenate([postures.coordinates, postures.tool[extra]])
     home = kinematics.home_found.unknowns
-    return _anchor(groups, geometry, values, home, q, postures.tool)
+    return anchor_of(groups, geometry, values, home, q, postures.tool)
 
 
 def _next(groups: Groups, anchors: Anchors, values: Array) -> Anchors | None:
@@ -96,11 +110,11 @@ def _solved(groups: Groups, anchors: Anchors, values: Array) -> tuple[Anchors | 
         return None, False
     q, _ = closing.postures(np.zeros(1, dtype=np.intp), homes)
     tool = np.repeat(homes.tool, family.n_postures, axis=1)
-    own = _anchor(groups, geometry, values, homes.unknowns[:, 0], q[:, 0], tool)
+    own = anchor_of(groups, geometry, values, homes.unknowns[:, 0], q[:, 0], tool)
     return own, bool(homes.continued[0])
 
 
-def _anchor(
+def anchor_of(
     groups: Groups,
     geometry: Geometry,
     values: Array,
