@@ -5,6 +5,8 @@ Each says what is wrong, where, and how to mend it. Commands print them and end 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 
@@ -79,3 +81,46 @@ class PoseError(StiffkitError):
 
 class OutputError(StiffkitError):
     """A result that cannot be written."""
+
+
+class MissingExtraError(StiffkitError):
+    """An optional part of stiffkit that is asked for, and whose library is not installed."""
+
+    def __init__(
+        self,
+        library: str,
+        *,
+        needed_for: str,
+        extra: str,
+        why: str = "is not installed",
+        or_: str = "",
+    ) -> None:
+        """Name the ``library``, what it is ``needed_for``, and the ``extra`` that has it.
+
+        ``or_`` is another way than to install it, if there is one.
+        """
+        mend = f"{how_to_install(extra)}, {or_}" if or_ else how_to_install(extra)
+        super().__init__(f"{library} is needed for {needed_for} and {why}", mend=mend)
+        self.extra = extra
+
+
+def how_to_install(extra: str) -> str:
+    """Return the command that installs an optional part."""
+    return f"pip install 'stiffkit[{extra}]'"
+
+
+@contextmanager
+def optional(library: str, *, needed_for: str, extra: str, or_: str = "") -> Iterator[None]:
+    """Guard the import of an optional library, or of what imports it.
+
+    Raises MissingExtraError, which names the ``extra`` to install, where that fails.
+    """
+    try:
+        yield
+    except ModuleNotFoundError:
+        raise MissingExtraError(library, needed_for=needed_for, extra=extra, or_=or_) from None
+    except ImportError as error:
+        why = f"cannot be loaded ({error})"
+        raise MissingExtraError(
+            library, needed_for=needed_for, extra=extra, why=why, or_=or_
+        ) from None

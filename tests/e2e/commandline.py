@@ -32,13 +32,14 @@ def run(
     cwd: Path,
     timeout: float = ENDS_WITHIN,
     limit: str = "",
+    program: str = STIFFKIT,
 ) -> subprocess.CompletedProcess[str]:
     """Run ``stiffkit`` with arguments to its end.
 
     ``limit`` is an option of bash's ulimit with its value: ``-d KIB`` bounds the memory, ``-f KIB``
-    the size of files.
+    the size of files. ``program`` is the command of another installation.
     """
-    command = [STIFFKIT, *arguments]
+    command = [program, *arguments]
     if limit:
         # Libraries of linear algebra reserve memory for each of their threads.
         bounded = f'ulimit {limit} && OPENBLAS_NUM_THREADS=1 exec "$0" "$@"'
@@ -53,9 +54,9 @@ def run(
     )
 
 
-def output_of(*arguments: str, cwd: Path) -> str:
+def output_of(*arguments: str, cwd: Path, program: str = STIFFKIT) -> str:
     """Run ``stiffkit``, which must succeed without a word on standard error; return its output."""
-    ended = run(*arguments, cwd=cwd)
+    ended = run(*arguments, cwd=cwd, program=program)
     assert ended.returncode == 0, ended.stderr
     assert ended.stderr == ""
     return ended.stdout

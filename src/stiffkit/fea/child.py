@@ -17,7 +17,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from stiffkit.errors import CadError
+from stiffkit.errors import CadError, MissingExtraError
 
 TIMEOUT = 240.0
 """s that the child may take when nothing else is said."""
@@ -34,12 +34,9 @@ def is_installed() -> bool:
 
 
 def check_installed() -> None:
-    """Raise CadError if the library that reads, meshes and solves is missing."""
+    """Raise MissingExtraError if the library that reads, meshes and solves is missing."""
     if not is_installed():
-        raise CadError(
-            "links from CAD need NGSolve, which is not installed",
-            mend="pip install 'stiffkit[fea]'",
-        )
+        raise MissingExtraError("NGSolve", needed_for="links from CAD", extra="fea")
 
 
 @contextmanager

@@ -52,14 +52,6 @@ def read_isolated(reader: str, path: Path, bulk: Path | None = None) -> FieldFil
         return _load(Path(folder, ARRAYS), path)
 
 
-def missing_library(library: str) -> StiffkitError:
-    """Return the error of a library that is not installed."""
-    return StiffkitError(
-        f"reading this format takes {library}, which is not installed",
-        mend="pip install 'stiffkit[fields]'",
-    )
-
-
 def _environment() -> dict[str, str]:
     """Return the child's environment: this very package, no threads, no warnings."""
     home = str(Path(__file__).parents[3])

@@ -17,11 +17,11 @@ from typing import Any
 
 import numpy as np
 
-from stiffkit.errors import FileError
+from stiffkit.errors import FileError, optional
 from stiffkit.identify.elements import ELEMENTS
 from stiffkit.identify.readers.content import Array, FieldFile, Integers, merge_sets
 from stiffkit.identify.readers.headings import vector_columns
-from stiffkit.identify.readers.isolated import missing_library, read_isolated
+from stiffkit.identify.readers.isolated import read_isolated
 
 SUFFIXES = (".vtu", ".vtk", ".msh", ".xdmf", ".xmf", ".med", ".e", ".exo", ".ex2", ".tec", ".avs")
 PHYSICAL = "gmsh:physical"
@@ -58,10 +58,8 @@ def read(path: Path, _: Path | None = None) -> FieldFile:
 
 def _meshio_read(path: Path) -> Any:
     """Return meshio's mesh; it prints and exits where it cannot read."""
-    try:
+    with optional("meshio", needed_for="files of this format", extra="fields"):
         import meshio
-    except ModuleNotFoundError:
-        raise missing_library("meshio") from None
     said = io.StringIO()
     try:
         with redirect_stdout(said), redirect_stderr(said):

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from stiffkit.errors import FileError
+from stiffkit.errors import FileError, optional
 from stiffkit.identify.elements import ELEMENTS
 from stiffkit.identify.readers.content import (
     Array,
@@ -25,7 +25,7 @@ from stiffkit.identify.readers.content import (
     merge_sets,
     named_nodes,
 )
-from stiffkit.identify.readers.isolated import missing_library, read_isolated
+from stiffkit.identify.readers.isolated import read_isolated
 from stiffkit.identify.readers.source import check_file
 
 BULK_SUFFIXES = (".bdf", ".dat", ".nas", ".fem", ".blk", ".bulk", ".pch")
@@ -102,10 +102,8 @@ def read(path: Path, bulk: Path | None = None) -> FieldFile:
 
 def _displacements(path: Path) -> dict[str, tuple[Integers, Array]]:
     """Return nodes (n,) and displacements (n, 3) of each subcase."""
-    try:
+    with optional("pyNastran", needed_for="files of this format", extra="fields"):
         from pyNastran.op2.op2 import OP2
-    except ModuleNotFoundError:
-        raise missing_library("pyNastran") from None
     model = OP2(debug=False)
     model.set_results(["displacements"])
     model.read_op2(str(path), combine=False, build_dataframe=False, skip_undefined_matrices=True)

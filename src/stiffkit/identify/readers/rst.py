@@ -11,9 +11,10 @@ from typing import Any
 
 import numpy as np
 
+from stiffkit.errors import optional
 from stiffkit.identify.elements import ELEMENTS
 from stiffkit.identify.readers.content import FieldFile, Integers, common_nodes, places_of
-from stiffkit.identify.readers.isolated import missing_library, read_isolated
+from stiffkit.identify.readers.isolated import read_isolated
 
 MODAL = 2
 """The number of a modal analysis in the header."""
@@ -38,10 +39,8 @@ def read_rst(path: Path) -> FieldFile:
 
 def read(path: Path, _: Path | None = None) -> FieldFile:
     """Return the displacements and the mesh of a result file, in this process."""
-    try:
+    with optional("ansys-mapdl-reader", needed_for="files of this format", extra="fields"):
         from ansys.mapdl import reader
-    except ModuleNotFoundError:
-        raise missing_library("ansys-mapdl-reader") from None
     result = reader.read_binary(str(path))
     tables = {name: result.nodal_displacement(number) for name, number in _cases(result).items()}
     components = result.node_components

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stiffkit.errors import StiffkitError
+from stiffkit.errors import StiffkitError, optional
 from stiffkit.study.sweep.engine import Rows
 from stiffkit.study.sweep.executors import Chunk
 from stiffkit.study.sweep.work import Reference, as_given, compute_chunk
@@ -36,13 +36,8 @@ class Cluster:
 
         Raises StiffkitError where Dask is not installed, or the scheduler does not answer.
         """
-        try:
+        with optional("Dask's 'distributed'", needed_for="a cluster", extra="cluster"):
             from distributed import Client as Connection
-        except ImportError:
-            raise StiffkitError(
-                "a cluster needs Dask's 'distributed', which is not installed",
-                mend="install it with  pip install 'stiffkit[cluster]',  the same on all workers",
-            ) from None
         try:
             connect: Any = Connection
             self._client = connect(address, timeout=_PATIENCE, set_as_default=False)
