@@ -52,6 +52,7 @@ addEventListener("load", async () => {
     hidden: ["compliance-mm", "compliance-si"].map((id) => document.getElementById(id).hidden),
   });
   const seen = {};
+  while (document.querySelector("main[aria-busy]")) await settled();
   await settled();
   seen.first = look();
   seen.case = document.getElementById("case").value;

@@ -125,7 +125,7 @@ def test_the_link_file_says_where_it_comes_from(here: Path, shown: str) -> None:
 
 def test_the_report_needs_nothing_else(here: Path, shown: str) -> None:
     page = (here / "out" / "report.html").read_text("utf-8")
-    assert page.count("data:image/png;base64,") == 3
+    assert page.count("<img ") == 3
     assert "http://" not in page
     assert "https://" not in page
     assert "nearest to (0, 5, 5) mm" in page

@@ -26,6 +26,7 @@ addEventListener("load", async () => {
     play: document.getElementById("play").textContent,
   });
   const seen = {};
+  while (document.querySelector("main[aria-busy]")) await settled();
   await settled();
   const play = document.getElementById("play");
   if (play.textContent === "Pause") play.click();

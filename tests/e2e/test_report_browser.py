@@ -57,6 +57,7 @@ addEventListener("load", async () => {
     await settled();
   };
   const seen = {};
+  while (document.querySelector("main[aria-busy]")) await settled();
   await settled();
   seen.first = look();
   await choose("quantity", "stiffness_rotation_min");
@@ -178,3 +179,45 @@ def test_the_values_are_those_of_the_dataset(report: Visit, biglide_map: Path) -
     inside = values <= colours.max()
     assert inside.mean() > 0.9
     np.testing.assert_allclose(colours[inside], values[inside], rtol=1e-3)
+
+
+WITHOUT_UNPACKING = "<head>\n<script>delete globalThis.DecompressionStream;</script>"
+LAST_PROBE = """
+<script>
+addEventListener("load", async () => {
+  while (document.querySelector("main[aria-busy]")) await new Promise((go) => setTimeout(go, 100));
+  const height = (element) => element.getBoundingClientRect().height;
+  const images = [...document.querySelectorAll("main img")];
+  const seen = {
+    failure: height(document.getElementById("failure")),
+    scripted: [...document.querySelectorAll(".needs-script")].map(height),
+    figures: images.map((image) => [image.naturalWidth, height(image)]),
+    tables: [...document.querySelectorAll("main table.figures")].map(height),
+  };
+  const note = document.createElement("pre");
+  note.id = "probe";
+  note.textContent = JSON.stringify(seen);
+  document.body.replaceChildren(note);
+});
+</script>
+"""
+"""Leaves the heights in pixels of what an older browser shows; none are hidden things."""
+
+
+def test_an_older_browser_says_so_and_shows_figures_and_tables(
+    biglide_map: Path, tmp_path: Path
+) -> None:
+    page = (biglide_map / "report.html").read_text(encoding="utf-8")
+    assert page.count("<head>") == 1
+    older = page.replace("<head>", WITHOUT_UNPACKING).replace("</body>", f"{LAST_PROBE}</body>")
+    (tmp_path / "report.html").write_text(older, encoding="utf-8")
+    seen = visit(tmp_path / "report.html", tmp_path / "profile").seen
+    assert seen["failure"] > 10
+    assert set(seen["scripted"]) == {0}
+    assert len(seen["figures"]) > 3
+    assert all(width > 100 and height > 50 for width, height in seen["figures"])
+    assert min(seen["tables"]) > 50
+
+
+def test_the_page_has_a_few_megabytes_at_most(biglide_map: Path) -> None:
+    assert (biglide_map / "report.html").stat().st_size < 4e6

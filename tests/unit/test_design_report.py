@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import base64
 import html
 import json
 import re
 from collections.abc import Callable
 from pathlib import Path
+from urllib.parse import unquote
 
 import numpy as np
 import pytest
@@ -25,8 +25,8 @@ from stiffkit.errors import OutputError
 from stiffkit.plots import style
 from stiffkit.plots.designs import designs_of
 from stiffkit.report import write_design_report
-from stiffkit.report.design_page import _image
 from stiffkit.report.design_page_words import comparison_in_words, outcome_in_words
+from stiffkit.report.pictures import figure
 
 
 @pytest.fixture(autouse=True)
@@ -139,15 +139,15 @@ def test_a_drawing_larger_than_its_picture_is_shown_as_that(tmp_path: Path) -> N
     drawing, picture = tmp_path / "any.svg", tmp_path / "any.png"
     drawing.write_text("<svg>font: 7px 'DejaVu Sans'</svg>")
     picture.write_bytes(b"png")
-    assert "data:image/png;base64,cG5n" in _image(drawing)
+    assert "data:image/png;base64,cG5n" in figure(drawing)
     picture.write_bytes(b"png" * 100)
-    shown = re.fullmatch(r'.*base64,(.*)">.*', _image(drawing))
+    shown = re.fullmatch(r'.*image/svg\+xml,(.*)">.*', figure(drawing))
     assert shown is not None
     # Where the font is not installed there is one of the same widths.
-    assert b"'DejaVu Sans', Verdana" in base64.b64decode(shown[1])
-    picture.unlink()
+    assert "'DejaVu Sans', Verdana" in unquote(html.unescape(shown[1]))
+    drawing.unlink()
     with pytest.raises(OutputError, match="cannot read the figure"):
-        _image(drawing)
+        figure(drawing)
 
 
 def test_names_from_files_are_text(tmp_path: Path) -> None:

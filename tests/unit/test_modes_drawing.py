@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from tests.unit.page_reader import unpacked
 
 from stiffkit.errors import OutputError
 from stiffkit.plots import mode_figure, write_mode_figures
@@ -244,7 +245,7 @@ def test_page_is_self_contained(biglide: ModesResult, tmp_path: Path) -> None:
 def test_page_holds_the_drawing(biglide: ModesResult, tmp_path: Path) -> None:
     reader = Reader()
     reader.feed(page_of(biglide, tmp_path))
-    data = json.loads(reader.data)
+    data = json.loads(unpacked(reader.data))
     drawing = drawing_of(biglide)
     assert [mode["frequency"] for mode in data["modes"]] == ["97.43", "134", "176"]
     assert [mode["view"] for mode in data["modes"]] == ["space", "xy", "space"]

@@ -19,6 +19,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from synthetic_map import grid, synthetic_map  # type: ignore[import-not-found]
+from tests.unit.page_reader import unpacked
 
 from stiffkit.errors import OutputError
 from stiffkit.report import write_report
@@ -28,7 +29,8 @@ from stiffkit.report.decimate import (
     status_of_blocks,
     worst_of_blocks,
 )
-from stiffkit.report.payload import json_for_script, payload_of, worst_postures
+from stiffkit.report.payload import json_text, payload_of, worst_postures
+from stiffkit.report.template import packed
 from stiffkit.report.words import (
     key_figures,
     load_in_words,
@@ -73,7 +75,7 @@ class Page(HTMLParser):
     @property
     def data(self) -> Any:
         """What the page's own script reads."""
-        return json.loads(self.scripts[0])
+        return json.loads(unpacked(self.scripts[0]))
 
 
 def report_of(dataset: xr.Dataset, folder: Path, **more: Any) -> Page:
@@ -131,10 +133,17 @@ def test_names_of_the_robot_file_stay_text(tmp_path: Path) -> None:
     assert page.text.count("alert(1)") >= 6
 
 
-def test_json_survives_a_script_element() -> None:
-    text = json_for_script({"a": "</script><!-- & \u2028"})
-    assert not set("<>&\u2028") & set(text)
-    assert json.loads(text) == {"a": "</script><!-- & \u2028"}
+def test_data_survives_a_script_element() -> None:
+    value = {"a": "</script><!-- & \u2028"}
+    packed_text = packed(json_text(value))
+    assert not set("<>&\u2028") & set(packed_text)
+    assert json.loads(unpacked(packed_text)) == value
+    assert packed(json_text(value)) == packed_text
+
+
+def test_what_is_no_number_is_refused() -> None:
+    with pytest.raises(ValueError, match="JSON"):
+        json_text([np.nan])
 
 
 def test_values_reach_the_page_in_display_units(tmp_path: Path) -> None:
@@ -229,7 +238,7 @@ def test_a_large_map_makes_a_small_page_soon(tmp_path: Path) -> None:
     started = time.perf_counter()
     page = report_of(dataset, tmp_path)
     assert time.perf_counter() - started < 30.0
-    assert (tmp_path / "report.html").stat().st_size < 12e6
+    assert (tmp_path / "report.html").stat().st_size < 5e6
     assert "blocks of 7 × 6 postures, each block at the worst value" in page.text
     assert "490\u202f000" in (tmp_path / "report.html").read_text(encoding="utf-8")
 

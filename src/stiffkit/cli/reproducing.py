@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 import click
 
 from stiffkit.cli.arguments import json_option, output_option
+from stiffkit.errors import how_to_install
 
 if TYPE_CHECKING:
     from stiffkit.progress import Progress
@@ -83,7 +84,7 @@ class _Done(Generic[T]):
                     paper,
                     self.source,
                     self.tables(self.found),
-                    sorted(work.glob("figure-*.png"), key=_number),
+                    sorted(work.glob("figure-*.svg"), key=_number),
                     work / "reproduction.html",
                 )
             written = [f"{figures}, reproduction.html and reproduction.json in {output}"]
@@ -150,7 +151,7 @@ def _show_entries(found: Reproduction) -> None:
     for entry in found.entries:
         _show_entry(entry)
     if found.cantilever is None:
-        click.echo("section 4 and Table 5 need NGSolve: pip install 'stiffkit[fea]'")
+        click.echo(f"section 4 and Table 5 need NGSolve: {how_to_install('fea')}")
         return
     for meshing, why in found.cantilever.left_out:
         click.echo(f"Table 5, {meshing.name}: left out, {why}; printed {meshing.printed} %")

@@ -145,7 +145,7 @@ def draw_curves(
         axes.set_yscale("log")
         margin = (scale.high / scale.low) ** 0.06
         limits = scale.low / margin, scale.high * margin
-        set_log_ticks(axes, Scale(*limits, is_log=True))
+        set_log_ticks(axes.yaxis, Scale(*limits, is_log=True))
         axes.set_ylim(limits)
     else:
         height = (scale.high or 1.0) if from_zero else scale.high - scale.low

@@ -13,6 +13,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from stiffkit.plots import style
@@ -193,7 +194,14 @@ def _short(value: float) -> str:
 def _chosen_line(model: str) -> dict[str, Any]:
     look = chosen_look(model)
     size = 0.6 * look["markersize"]
-    return {**look, **line_look(model), "markersize": size, "linewidth": 1.9}
+    edge = withStroke(linewidth=3.2, foreground="white")
+    return {
+        **look,
+        **line_look(model),
+        "markersize": size,
+        "linewidth": 1.9,
+        "path_effects": [edge],
+    }
 
 
 def _handles(designs: Designs) -> list[Artist]:

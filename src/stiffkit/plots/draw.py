@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
+from matplotlib.patches import Patch, PathPatch
+from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
@@ -33,6 +34,12 @@ _GAPS: dict[int, tuple[str, str]] = {
     UNCONTROLLED: (style.UNCONTROLLED, "uncontrolled"),
 }
 """Colour and name of postures without an answer; what is outside the workspace stays white."""
+
+_HATCHED: dict[int, dict[str, Any]] = {
+    SINGULAR: {"facecolor": style.SINGULAR, "edgecolor": "white", "hatch": "xxxx"},
+    UNCONTROLLED: {"facecolor": style.UNCONTROLLED, "edgecolor": "white", "hatch": "...."},
+}
+"""Cells that could be taken for colours of the scale where all are grey."""
 
 # Cells are drawn as an image, above the hatching and below the contour lines.
 _CELLS_ZORDER = 0.5
@@ -169,7 +176,7 @@ def _gap_handle(value: int, *, is_grid: bool) -> Artist:
         return Line2D([], [], linestyle="", marker="x", color=colour, label=name)
     if value == UNREACHABLE:
         return unreachable_patch()
-    return Patch(facecolor=colour, label=name)
+    return Patch(label=name, linewidth=0.0, **_HATCHED[value])
 
 
 def _known(values: Array) -> Array:
@@ -211,20 +218,14 @@ def _draw_grid(axes: Axes, panel: Panel) -> ScalarMappable:
 
 def _draw_other_gaps(axes: Axes, panel: Panel, edges_x: Array, edges_y: Array) -> None:
     """Paint singular, uncontrolled and outside postures; what is out of reach stays hatched."""
-    codes = {SINGULAR: style.SINGULAR, UNCONTROLLED: style.UNCONTROLLED, OUTSIDE: "white"}
-    painted = np.full(panel.status.shape, np.nan)
-    for number, value in enumerate(codes):
-        painted[panel.status == value] = number
-    if np.isfinite(painted).any():
-        axes.pcolorfast(
-            edges_x,
-            edges_y,
-            _known(painted).T,
-            cmap=ListedColormap(list(codes.values())),
-            vmin=-0.5,
-            vmax=len(codes) - 0.5,
-            zorder=_CELLS_ZORDER,
-        )
+    for value, look in {**_HATCHED, OUTSIDE: {"facecolor": "white"}}.items():
+        i, j = np.nonzero(panel.status == value)
+        if i.size:
+            x, y = (edges_x[i], edges_x[i + 1]), (edges_y[j], edges_y[j + 1])
+            corners = [(x[0], y[0]), (x[1], y[0]), (x[1], y[1]), (x[0], y[1])]
+            cells = np.moveaxis(np.array(corners), (0, 1), (1, 2))
+            path = Path.make_compound_path_from_polys(cells)
+            axes.add_patch(PathPatch(path, linewidth=0.0, zorder=_CELLS_ZORDER, **look))
 
 
 def _draw_contours(axes: Axes, panel: Panel) -> None:

@@ -84,5 +84,5 @@ def _set_limits(axes: Axes, values: Array, is_log: bool) -> None:
         return
     axes.set_yscale("log")
     limits = float(values.min()) / _MARGIN, float(values.max()) * _MARGIN
-    set_log_ticks(axes, Scale(*limits, is_log=True))
+    set_log_ticks(axes.yaxis, Scale(*limits, is_log=True))
     axes.set_ylim(*limits)

@@ -14,6 +14,7 @@ from stiffkit.fea import Part
 from stiffkit.fea.cad_link import CadLink
 from stiffkit.link.ports import BASE
 from stiffkit.plots import style
+from stiffkit.plots.scale import Scale, set_log_ticks
 
 Array = NDArray[np.float64]
 
@@ -134,6 +135,8 @@ def convergence_figure(link: CadLink) -> Figure:
         axes.axhline(100.0 * tolerance, color=style.INK, linewidth=0.8, linestyle=":")
     axes.set_xscale("log")
     axes.set_yscale("log")
+    set_log_ticks(axes.xaxis, Scale(*axes.get_xlim(), is_log=True))
+    set_log_ticks(axes.yaxis, Scale(*axes.get_ylim(), is_log=True))
     axes.set_xlabel("unknowns")
     axes.set_ylabel("relative error of the compliance, %")
     axes.grid(visible=True)

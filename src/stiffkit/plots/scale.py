@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
@@ -110,15 +111,15 @@ def add_colour_bar(
     bar.ax.tick_params(width=0.4, length=2.0)
     bar.ax.yaxis.set_minor_locator(NullLocator())
     if scale.is_log:
-        set_log_ticks(bar.ax, scale)
+        set_log_ticks(bar.ax.yaxis, scale)
     bar.set_label(unit)
 
 
-def set_log_ticks(axes: Axes, scale: Scale) -> None:
-    """Put round ticks, written out plainly, on a logarithmic y axis."""
-    axes.yaxis.set_major_locator(FixedLocator(list(_one_two_five(scale.low, scale.high))))
-    axes.yaxis.set_minor_locator(NullLocator())
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: format_value(value)))
+def set_log_ticks(axis: Axis, scale: Scale) -> None:
+    """Put round ticks, written out plainly, on a logarithmic axis."""
+    axis.set_major_locator(FixedLocator(list(_one_two_five(scale.low, scale.high))))
+    axis.set_minor_locator(NullLocator())
+    axis.set_major_formatter(FuncFormatter(lambda value, _: format_value(value)))
 
 
 def _one_two_five(low: float, high: float) -> Array:

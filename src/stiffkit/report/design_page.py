@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from html import escape
@@ -10,7 +9,6 @@ from pathlib import Path
 
 import xarray as xr
 
-from stiffkit.errors import OutputError
 from stiffkit.plots.design_write import write_design_figures
 from stiffkit.plots.designs import START, Designs, change_text, design_name, designs_of
 from stiffkit.report.design_page_tables import comparison_table, evaluations_table, front_table
@@ -23,15 +21,13 @@ from stiffkit.report.design_page_words import (
     tried_in_words,
     varied_in_words,
 )
-from stiffkit.report.tables import bullet_list, card, pair_table, provenance
+from stiffkit.report.pictures import figure, is_drawing
+from stiffkit.report.tables import bullet_list, card, provenance
 from stiffkit.report.template import fill, page, write_text
 from stiffkit.report.words import grouped
 
 REPORT = "report.html"
 FIGURES = "figures"
-
-_FONTS = ("'DejaVu Sans'", "'DejaVu Sans', Verdana, sans-serif")
-"""What drawings ask for, and where that is not installed a font of the same widths."""
 
 _CAPTIONS = {
     "tradeoff": "Trade-off",
@@ -95,15 +91,15 @@ def _page(dataset: xr.Dataset, designs: Designs, figures: Sequence[Path]) -> str
         figures="".join(_sections(figures)),
         fronts="".join(_fronts(designs)),
         evaluations=evaluations_table(json.loads(attrs.get("evaluations") or "{}")),
-        provenance=pair_table(_provenance(attrs)),
     )
     return page(
         "design study",
         title=designs.title or str(attrs.get("robot") or "Designs"),
         scope=_scope(attrs, designs),
         version=version,
-        styles=("page.css", "design.css"),
+        styles=("design.css",),
         main=main,
+        made=_provenance(attrs),
     )
 
 
@@ -172,10 +168,10 @@ def _sections(figures: Sequence[Path]) -> Iterator[str]:
     """Yield a section for each kind of figure."""
     groups: dict[str, list[Path]] = {}
     for path in figures:
-        if path.suffix == ".svg":
+        if is_drawing(path):
             groups.setdefault(path.name.partition("-")[0].removesuffix(".svg"), []).append(path)
     for kind, paths in groups.items():
-        first, *others = [_image(path) for path in paths]
+        first, *others = [figure(path) for path in paths]
         more = ""
         if others:
             more = f"<details><summary>More ({len(others)})</summary>{''.join(others)}</details>"
@@ -183,23 +179,6 @@ def _sections(figures: Sequence[Path]) -> Iterator[str]:
             f"<section><h2>{escape(_CAPTIONS.get(kind, kind))}</h2>{first}"
             f'<p class="hint">{escape(_HINTS.get(kind, ""))}</p>{more}</section>\n'
         )
-
-
-def _image(drawing: Path) -> str:
-    """Return a figure inside the page: the drawing, or its picture where that is smaller."""
-    try:
-        content = drawing.read_text(encoding="utf-8").replace(*_FONTS).encode()
-        picture = drawing.with_suffix(".png").read_bytes()
-    except OSError as error:
-        raise OutputError(
-            f"cannot read the figure {drawing}: {error.strerror or error}",
-            mend="let nothing else write into the folder of the report",
-        ) from error
-    is_smaller = len(picture) < len(content)
-    kind = "png" if is_smaller else "svg+xml"
-    data = base64.b64encode(picture if is_smaller else content).decode("ascii")
-    source = f"data:image/{kind};base64,{data}"
-    return f'<figure><img alt="{escape(drawing.stem)}" src="{source}"></figure>'
 
 
 def _fronts(designs: Designs) -> Iterator[str]:

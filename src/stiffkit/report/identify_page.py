@@ -11,7 +11,7 @@ from stiffkit import __version__
 from stiffkit.identify import IdentifiedLink, asymmetry_of, estimator_word, outlier_words
 from stiffkit.report.identify_payload import payload_of
 from stiffkit.report.identify_tables import alternatives_table, cases_table, compliance_table
-from stiffkit.report.payload import json_for_script
+from stiffkit.report.payload import json_text
 from stiffkit.report.tables import bullet_list, card, pair_table
 from stiffkit.report.template import Script, fill, page, write_text
 
@@ -44,18 +44,18 @@ def _page(link: IdentifiedLink) -> str:
         alternatives=alternatives_table(link),
         notes=bullet_list(link.notes, otherwise="None."),
         choices=pair_table(_choices(link)),
-        provenance=pair_table(_provenance(link)),
     )
     return page(
         "identified compliance",
         title=link.spec.title,
         scope=f"Compliance of the tip with the base held, from {link.chosen.words}.",
         version=__version__,
-        styles=("page.css", "identify.css"),
+        styles=("identify.css",),
         main=main,
+        made=_provenance(link),
         script=Script(
             "The residuals on this page are",
-            json_for_script(payload_of(link)),
+            json_text(payload_of(link)),
             _SCRIPTS,
             uses_plotly=True,
         ),
@@ -150,6 +150,6 @@ def _provenance(link: IdentifiedLink) -> list[tuple[str, str]]:
     given = link.link.provenance
     files = [given["specification"], *given["fields"], *given.get("sets", [])]
     return [
-        ("Tool", str(given["program"])),
+        ("made by", str(given["program"])),
         *((one["file"], f"SHA-256 {one['sha256']}") for one in files),
     ]

@@ -21,7 +21,7 @@ COMPONENTS = ("all", "x", "y", "z")
 
 
 def payload_of(link: IdentifiedLink) -> dict[str, Any]:
-    """Return everything that the page's script draws from, ready for `json_for_script`.
+    """Return everything that the page's script draws from, ready for `json_text`.
 
     Values are base64 of little-endian float32: places in mm, residuals in micrometres.
     """

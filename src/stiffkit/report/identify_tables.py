@@ -9,36 +9,23 @@ import numpy as np
 from stiffkit.identify import IdentifiedLink, estimator_word
 from stiffkit.link.checks import LOADS
 from stiffkit.plots import format_value
-from stiffkit.robot import DIRECTIONS
+from stiffkit.report.compliance import UNITS_MM, compliance_matrix, scale_of, with_power
 from stiffkit.spatial.rotation import Array
-
-UNITS_SI = (("m/N", "1/N"), ("1/N", "1/(N m)"))
-UNITS_MM = (("mm/N", "1/N"), ("1/N", "1/(N mm)"))
 
 
 def compliance_table(link: IdentifiedLink, *, millimetres: bool) -> str:
     """Return the 36 elements, each with its standard error, those that are noise in grey."""
-    scale = _scale(millimetres)
+    scale = scale_of(millimetres=millimetres)
     k, error = link.compliance * scale, link.standard_error * scale
-    units = UNITS_MM if millimetres else UNITS_SI
-    head = "".join(f'<th scope="col">{load}</th>' for load in LOADS)
-    rows = []
-    for i, name in enumerate(DIRECTIONS):
-        cells = "".join(
+
+    def cell(i: int, j: int) -> str:
+        return (
             f'<td class="{"sure" if link.significant[i, j] else "noise"}" '
-            f'title="{escape(_title(link, i, j))}">{_power(k[i, j], 5)}'
-            f"<small>± {_power(error[i, j], 2)}</small></td>"
-            for j in range(6)
+            f'title="{escape(_title(link, i, j))}">{with_power(k[i, j], 5)}'
+            f"<small>± {with_power(error[i, j], 2)}</small></td>"
         )
-        left, right = units[i // 3]
-        rows.append(
-            f'<tr><th scope="row">{name}</th>{cells}<td class="unit">{left}<br>{right}</td></tr>'
-        )
-    return (
-        '<table class="compliance"><thead><tr><th></th>'
-        f'{head}<th scope="col">unit under<br>forces, moments</th></tr></thead>'
-        f"<tbody>{''.join(rows)}</tbody></table>"
-    )
+
+    return compliance_matrix(cell, millimetres=millimetres)
 
 
 def cases_table(link: IdentifiedLink) -> str:
@@ -81,7 +68,7 @@ def cases_table(link: IdentifiedLink) -> str:
 def alternatives_table(link: IdentifiedLink) -> str:
     """Return the significant elements as other ways find them, as differences from the main one."""
     main, others = link.found, link.alternatives
-    scale = _scale(millimetres=True)
+    scale = scale_of(millimetres=True)
     heads = ("", f"{estimator_word(main)} (taken)", *(other.name for other in others))
     rows = [
         _row("nodes", [str(main.node_count), *(str(other.node_count) for other in others)]),
@@ -95,19 +82,11 @@ def alternatives_table(link: IdentifiedLink) -> str:
             if not main.symmetrised_significant[i, j]:
                 continue
             value = main.symmetrised[i, j]
-            shown = _power(value * scale[i, j], 5)
+            shown = with_power(value * scale[i, j], 5)
             differences = [_relative(other.compliance[i, j], value) for other in others]
             unit = UNITS_MM[i // 3][j // 3]
             rows.append(_row(f"k{i + 1}{j + 1}, {unit}", [shown, *differences]))
     return _table("figures ways", heads, rows)
-
-
-def _scale(millimetres: bool) -> Array:
-    """Return the factors (6, 6) from SI to the unit of length that is shown."""
-    scale = np.ones((6, 6))
-    if millimetres:
-        scale[:3, :3], scale[3:, 3:] = 1e3, 1e-3
-    return scale
 
 
 def _title(link: IdentifiedLink, i: int, j: int) -> str:
@@ -134,8 +113,10 @@ def _relative(value: float, main: float) -> str:
 
 
 def _row(name: str, cells: list[str]) -> str:
-    return f'<tr><th scope="row">{escape(name)}</th>' + "".join(
-        f"<td>{cell}</td>" for cell in cells
+    return (
+        f'<tr><th scope="row">{escape(name)}</th>'
+        + "".join(f"<td>{cell}</td>" for cell in cells)
+        + "</tr>"
     )
 
 
@@ -145,14 +126,6 @@ def _table(kind: str, heads: tuple[str, ...], rows: list[str]) -> str:
         f'<table class="{kind}"><thead><tr>{head}</tr></thead>'
         f"<tbody>{''.join(rows)}</tbody></table>"
     )
-
-
-def _power(value: float, digits: int) -> str:
-    """Return a number with a power of ten as HTML."""
-    if value == 0.0:
-        return "0"
-    mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
-    return f"{mantissa}·10<sup>{int(exponent)}</sup>".replace("-", "−")
 
 
 def _short(value: float) -> str:

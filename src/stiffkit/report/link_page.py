@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Sequence
 from html import escape
 from pathlib import Path
@@ -13,10 +12,11 @@ from numpy.typing import NDArray
 from stiffkit import __version__
 from stiffkit.fea.cad_link import CadLink
 from stiffkit.link.ports import BASE, in_words
+from stiffkit.report.compliance import UNITS_MM, compliance_matrix, scale_of, with_power
 from stiffkit.report.link_readings import readings_section
+from stiffkit.report.pictures import figure, is_drawing
 from stiffkit.report.tables import bullet_list, card, pair_table
 from stiffkit.report.template import fill, page, write_text
-from stiffkit.robot import DIRECTIONS
 
 _WHOLE = (
     '<p class="hint">Each port under loads at itself, the others free. The whole matrix, with what'
@@ -25,7 +25,7 @@ _WHOLE = (
 
 
 def write_link_page(link: CadLink, figures: Sequence[Path], path: Path) -> None:
-    """Write a link as one self-contained page; the PNG ones of ``figures`` are shown in it.
+    """Write a link as one self-contained page; the drawings among ``figures`` are shown.
 
     Raises OutputError if a figure cannot be read or the page cannot be written.
     """
@@ -33,35 +33,33 @@ def write_link_page(link: CadLink, figures: Sequence[Path], path: Path) -> None:
 
 
 def _page(link: CadLink, figures: Sequence[Path]) -> str:
-    shown = {path.stem: path for path in figures if path.suffix == ".png"}
-    millimetres = np.ones((6, 6))
-    millimetres[:3, :3], millimetres[3:, 3:] = 1e3, 1e-3
+    shown = {path.stem: figure(path) for path in figures if is_drawing(path)}
     interfaces = link.solved.facts["interfaces"].items()
     kinds = ", ".join(f"{name} {one['interface']}" for name, one in reversed(interfaces))
     scope = f"{kinds[:1].upper()}{kinds[1:]}, from {link.spec.cad.name}."
     main = fill(
         "link.html",
         cards=_cards(link),
-        compliance_mm=_compliances(link, millimetres),
-        compliance_si=_compliances(link, np.ones((6, 6))),
+        compliance_mm=_compliances(link, millimetres=True),
+        compliance_si=_compliances(link, millimetres=False),
         whole=_WHOLE if len(link.solved.ports) > 1 else "",
         beams=_beams(link),
         interfaces=pair_table(_interfaces(link)),
         readings=readings_section(link),
         steps=_steps(link),
-        convergence=_image(shown, "convergence"),
-        mesh=_image(shown, "mesh"),
-        shapes=_image(shown, "shapes"),
+        convergence=shown.get("convergence", ""),
+        mesh=shown.get("mesh", ""),
+        shapes=shown.get("shapes", ""),
         notes=bullet_list(link.notes, otherwise="None."),
-        provenance=pair_table(_provenance(link)),
     )
     return page(
         "link from CAD",
         title=link.spec.title,
         scope=scope,
         version=__version__,
-        styles=("page.css", "link.css"),
+        styles=(),
         main=main,
+        made=_provenance(link),
     )
 
 
@@ -90,25 +88,22 @@ def _percent(share: float | None) -> str:
     return "–" if share is None else f"{100.0 * share:.2g}"
 
 
-def _compliances(link: CadLink, units: NDArray[np.float64]) -> str:
-    """Return the compliance of each port under loads at itself, times ``units`` (6, 6)."""
+def _compliances(link: CadLink, *, millimetres: bool) -> str:
+    """Return the compliance of each port under loads at itself."""
     ports = list(link.solved.ports)
     tables = []
     for at, name in enumerate(ports):
         own = slice(6 * at, 6 * at + 6)
         head = f"<h3>{escape(name)}</h3>" if len(ports) > 1 else ""
-        tables.append(f"{head}{_matrix(units * link.compliance[own, own])}")
+        tables.append(f"{head}{_matrix(link.compliance[own, own], millimetres=millimetres)}")
     return "".join(tables)
 
 
-def _matrix(k: NDArray[np.float64]) -> str:
-    heads = "".join(f'<th scope="col">{name}</th>' for name in DIRECTIONS)
-    rows = "".join(
-        f'<tr><th scope="row">{name}</th>' + "".join(f"<td>{x:.4e}</td>" for x in row) + "</tr>"
-        for name, row in zip(DIRECTIONS, k, strict=True)
+def _matrix(k: NDArray[np.float64], *, millimetres: bool) -> str:
+    k = k * scale_of(millimetres=millimetres)
+    return compliance_matrix(
+        lambda i, j: f"<td>{with_power(k[i, j], 5)}</td>", millimetres=millimetres
     )
-    head = f"<thead><tr><th></th>{heads}</tr></thead>"
-    return f'<table class="figures">{head}<tbody>{rows}</tbody></table>'
 
 
 def _beams(link: CadLink) -> str:
@@ -121,9 +116,10 @@ def _beams(link: CadLink) -> str:
         gap = f", ends {1e3 * one.gap:.3g} mm from the tip" if one.has_gap else ""
         rows.append(_beam_row(one.name + gap, millimetres * np.diag(one.compliance), "{:.3e}"))
         rows.append(_beam_row("over finite elements", one.ratios(link.compliance), "{:.3f}"))
-    heads = "".join(f'<th scope="col">k{i}{i}</th>' for i in range(1, 7))
+    units = [UNITS_MM[i // 3][i // 3] for i in range(6)]
+    heads = "".join(f'<th scope="col">k{i}{i}, {unit}</th>' for i, unit in enumerate(units, 1))
     table = (
-        f'<table class="figures"><thead><tr><th></th>{heads}</tr></thead>'
+        f'<table class="figures"><thead><tr><td></td>{heads}</tr></thead>'
         f"<tbody>{''.join(rows)}</tbody></table>"
     )
     return fill("link_beams.html", table=table)
@@ -163,22 +159,15 @@ def _steps(link: CadLink) -> str:
     return f'<table class="figures"><thead><tr>{top}</tr></thead><tbody>{rows}</tbody></table>'
 
 
-def _image(shown: dict[str, Path], name: str) -> str:
-    if name not in shown:
-        return ""
-    content = base64.b64encode(shown[name].read_bytes()).decode("ascii")
-    return f'<figure><img alt="{name}" src="data:image/png;base64,{content}"></figure>'
-
-
 def _provenance(link: CadLink) -> list[tuple[str, str]]:
     facts = link.solved.facts
     size = " x ".join(f"{1e3 * length:.5g}" for length in facts["size"])
     materials = "; ".join(f"{law['name']} ({name})" for name, law in facts["materials"].items())
     return [
-        ("Tool", f"stiffkit {__version__}"),
+        ("stiffkit version", __version__),
         (link.spec.cad.name, f"SHA-256 {link.cad_hash}"),
-        ("Part", f"{size} mm, {facts['faces']} faces, unit of the file: {facts['unit']}"),
-        ("Material", materials),
-        ("Mesh", f"{facts['mesh']}; {facts['elements']} elements"),
-        ("Volume, area against CAD", f"{facts['volume_error']:.1e}, {facts['area_error']:.1e}"),
+        ("part", f"{size} mm, {facts['faces']} faces, unit of the file: {facts['unit']}"),
+        ("material", materials),
+        ("mesh", f"{facts['mesh']}; {facts['elements']} elements"),
+        ("volume, area against CAD", f"{facts['volume_error']:.1e}, {facts['area_error']:.1e}"),
     ]

@@ -48,4 +48,4 @@ def _row(name: str, load: Mapping[str, Any]) -> str:
     )
     shown = "".join(f"<td>{cell}</td>" for cell in cells)
     words = f'<td class="words">{escape(load["residuals"])}</td>'
-    return f'<tr><th scope="row">{name} = {unit}</th>{shown}{words}</tr>'
+    return f'<tr><th scope="row" class="load">{name} = {unit}</th>{shown}{words}</tr>'

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 
 from stiffkit import __version__
 from stiffkit.errors import OutputError
-from stiffkit.report.payload import json_for_script
+from stiffkit.report.payload import json_text
 from stiffkit.report.tables import bullet_list, pair_table
 from stiffkit.report.template import Script, fill, page, write_text
 from stiffkit.robot import DIRECTIONS
@@ -50,25 +51,38 @@ def _page(result: ModesResult, drawing: ModesDrawing) -> str:
             otherwise="None: with all drives held, nothing moves without deforming.",
         ),
         notes=bullet_list(result.notes, otherwise="None."),
-        provenance=pair_table(
-            [
-                ("Tool", f"stiffkit {__version__}"),
-                ("Robot", result.robot),
-                ("Model", result.model),
-                ("Elastic modes in all", str(result.n_existing)),
-            ]
-        ),
+        listed=_list(result),
         rules=pair_table(list(result.rules.items()), otherwise="None."),
     )
-    data = json_for_script(_payload(result, drawing))
+    data = json_text(_payload(result, drawing))
     return page(
         "modes of vibration",
         title=result.title or result.robot,
         scope=f"{result.model.capitalize()} model, tool at {_pose_words(result.tool)}.",
         version=__version__,
-        styles=("page.css", "modes.css"),
+        styles=("modes.css",),
         main=main,
+        made=[
+            ("robot", result.robot),
+            ("stiffkit version", __version__),
+            ("model", result.model),
+            ("elastic modes in all", str(result.n_existing)),
+        ],
         script=Script("The mechanism on this page is", data, ("modes.js",)),
+    )
+
+
+def _list(result: ModesResult) -> str:
+    """Return the modes as a table, for where nothing can be drawn."""
+    rows = "".join(
+        f'<tr><th scope="row">{k}</th><td>{mode.frequency_hz:.4g}</td>'
+        f'<td class="words">{escape(mode.description)}</td></tr>'
+        for k, mode in enumerate(result.modes, 1)
+    )
+    return (
+        '<table class="figures"><thead><tr><th scope="col">mode</th>'
+        '<th scope="col">frequency, Hz</th><th scope="col" class="words">what moves</th></tr>'
+        f"</thead><tbody>{rows}</tbody></table>"
     )
 
 

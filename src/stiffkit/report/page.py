@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 
 import xarray as xr
 
-from stiffkit.errors import OutputError
 from stiffkit.plots import models_of
-from stiffkit.report.payload import json_for_script, payload_of
+from stiffkit.report.payload import json_text, payload_of
+from stiffkit.report.pictures import figure, is_drawing
 from stiffkit.report.tables import (
     bullet_list,
     cards,
@@ -74,7 +73,6 @@ def _page(dataset: xr.Dataset, summary: Sequence[tuple[str, str]], figures: Sequ
     models = (" and ".join(models_of(dataset)) + " model").capitalize()
     main = fill(
         "map.html",
-        version=escape(version),
         cards=cards(dataset, rows),
         decimation=escape(_decimation(payload["blocks"])),
         status=bullet_list(status_in_words(dataset)),
@@ -87,18 +85,16 @@ def _page(dataset: xr.Dataset, summary: Sequence[tuple[str, str]], figures: Sequ
         summary=pair_table(summary, otherwise="No summary was given."),
         notes=bullet_list(texts_of(dataset, "notes"), otherwise="None."),
         figures=_gallery(figures),
-        provenance=pair_table(provenance(attrs)),
     )
     return page(
         "stiffness map",
         title=str(attrs.get("title") or attrs.get("robot") or "Robot"),
         scope=f"{scope_in_words(dataset)}. {models}.",
         version=version,
-        styles=("page.css",),
+        styles=(),
         main=main,
-        script=Script(
-            "The maps on this page are", json_for_script(payload), _SCRIPTS, uses_plotly=True
-        ),
+        made=provenance(attrs),
+        script=Script("The maps on this page are", json_text(payload), _SCRIPTS, uses_plotly=True),
     )
 
 
@@ -114,26 +110,12 @@ def _decimation(blocks: Sequence[int]) -> str:
 
 
 def _gallery(figures: Sequence[Path]) -> str:
-    """Return the SVG figures as images inside the page, or nothing if there are none."""
-    images = []
-    for figure in figures:
-        if figure.suffix.lower() != ".svg":
-            continue
-        try:
-            content = base64.b64encode(figure.read_bytes()).decode("ascii")
-        except OSError as error:
-            raise OutputError(
-                f"cannot read the figure {figure}: {error.strerror or error}",
-                mend="write the figures first, and give their paths as they were returned",
-            ) from error
-        name = escape(figure.name)
-        images.append(
-            f'<figure><img alt="{name}" src="data:image/svg+xml;base64,{content}">'
-            f"<figcaption>{name}</figcaption></figure>"
-        )
-    if not images:
+    """Return the figures inside the page, or nothing if there are none."""
+    # The names are those of the files that a paper takes.
+    shown = [figure(path, caption=path.stem) for path in figures if is_drawing(path)]
+    if not shown:
         return ""
     return (
-        f"<section><details><summary>Figures for print ({len(images)})</summary>"
-        f'<div class="gallery">{"".join(images)}</div></details></section>'
+        f'<section><details class="drawn-too" open><summary>Figures for print ({len(shown)})'
+        f"</summary>{''.join(shown)}</details></section>"
     )

@@ -59,7 +59,7 @@ RATIO = "ratio"
 
 
 def payload_of(dataset: xr.Dataset) -> dict[str, Any]:
-    """Return everything that the page's script draws from, ready for `json_for_script`.
+    """Return everything that the page's script draws from, ready for `json_text`.
 
     Values are base64 of little-endian float32 in display units, in C order of ``shape``.
     """
@@ -85,16 +85,9 @@ def payload_of(dataset: xr.Dataset) -> dict[str, Any]:
     }
 
 
-def json_for_script(value: object) -> str:
-    """Return JSON that can stand inside a script element: no "<", ">", "&" in it.
-
-    Raises:
-        ValueError: if a number is not finite.
-    """
-    text = json.dumps(value, allow_nan=False, separators=(",", ":"))
-    for character in "<>&":
-        text = text.replace(character, f"\\u{ord(character):04x}")
-    return text
+def json_text(value: object) -> str:
+    """Return JSON as browsers read it. Raises ValueError if a number is not finite."""
+    return json.dumps(value, allow_nan=False, separators=(",", ":"))
 
 
 def worst_postures(values: Array, *, worst_is_largest: bool, count: int = WORST) -> list[int]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,7 +9,7 @@ from html import escape
 from pathlib import Path
 
 from stiffkit import __version__
-from stiffkit.errors import OutputError
+from stiffkit.report.pictures import figure
 from stiffkit.report.tables import card
 from stiffkit.report.template import page, write_text
 
@@ -38,7 +37,7 @@ class PageTable:
 def write_reproduction_page(
     paper: str, source: str, tables: Sequence[PageTable], figures: Sequence[Path], path: Path
 ) -> None:
-    """Write what a paper prints beside ours, with ``figures`` (PNG), as one page.
+    """Write what a paper prints beside ours, with ``figures`` (SVG), as one page.
 
     Raises OutputError if a figure cannot be read or the page cannot be written.
     """
@@ -47,15 +46,16 @@ def write_reproduction_page(
     main = (
         f'<section class="cards">{cards}</section>'
         + "".join(_section(table) for table in tables)
-        + "".join(_image(figure) for figure in figures)
+        + "".join(_section_of(drawing) for drawing in figures)
     )
     text = page(
         "reproduction",
         title=paper,
         scope=f"{source}. The printed beside ours, computed again.",
         version=__version__,
-        styles=("page.css", "reproduction.css"),
+        styles=("reproduction.css",),
         main=main,
+        made=[("made by", f"stiffkit reproduce {paper}"), ("stiffkit version", __version__)],
     )
     write_text(text, path, "page")
 
@@ -77,18 +77,6 @@ def _section(table: PageTable) -> str:
     )
 
 
-def _image(figure: Path) -> str:
-    try:
-        content = figure.read_bytes()
-    except OSError as error:
-        raise OutputError(f"cannot read the figure {figure}: {error.strerror or error}") from error
-    data = base64.b64encode(content).decode("ascii")
-    # The first chunk of a PNG begins with its width; at half of it a print's fonts suit a screen.
-    width = int.from_bytes(content[16:20], "big") // 2
-    name = figure.stem.replace("-", " ").capitalize()
-    return (
-        f"<section><h2>{escape(name)}</h2>"
-        f'<img src="data:image/png;base64,{data}" width="{width}"'
-        f' alt="{escape(name)} of the paper, ours">'
-        "</section>"
-    )
+def _section_of(drawing: Path) -> str:
+    name = drawing.stem.replace("-", " ").capitalize()
+    return f"<section><h2>{escape(name)}</h2>{figure(drawing)}</section>"

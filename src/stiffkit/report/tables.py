@@ -61,7 +61,8 @@ def key_figure_table(rows: Sequence[KeyFigure], models: Sequence[str]) -> str:
         )
     return (
         '<table class="figures"><thead>'
-        f'<tr><th rowspan="2" scope="col">quantity</th><th rowspan="2" scope="col">unit</th>{top}'
+        '<tr><th rowspan="2" scope="col">quantity</th>'
+        f'<th rowspan="2" scope="col" class="words">unit</th>{top}'
         f"{ratio_head}</tr><tr>{names * len(models)}</tr></thead>"
         f"<tbody>{''.join(body)}</tbody></table>"
     )
@@ -129,7 +130,7 @@ def _ratio_card(rows: Sequence[KeyFigure]) -> str:
 def card(title: str, value: str, unit: str, details: str) -> str:
     """Return one key figure: its title, value, unit and what belongs to it."""
     return (
-        f'<div class="card"><h3>{escape(title)}</h3>'
+        f'<div class="card"><h2>{escape(title)}</h2>'
         f'<p class="value">{escape(value)} <span>{escape(unit)}</span></p>'
         f"<p>{escape(details)}</p></div>"
     )

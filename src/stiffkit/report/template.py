@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-import re
+import base64
+import gzip
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from html import escape
 from importlib import resources
 from pathlib import Path
 from string import Template
 
 from stiffkit.errors import OutputError
+from stiffkit.report.tables import pair_table
 
 _STATIC = "style-src 'unsafe-inline'; img-src data:"
 _SCRIPTED = f"script-src 'unsafe-inline'; {_STATIC}"
@@ -24,7 +28,7 @@ class Script:
     draws: str
     """What is missing without it, as "The maps on this page are"."""
     data: str
-    """JSON that is safe inside a script element."""
+    """JSON."""
     files: tuple[str, ...]
     """JavaScript files, in the order in which they build on each other."""
     uses_plotly: bool = False
@@ -34,11 +38,16 @@ class Script:
         """The elements at the end of the page."""
         return fill(
             "script.html",
-            draws=self.draws,
-            data=self.data,
+            data=packed(self.data),
             plotly=_plotly() if self.uses_plotly else "",
-            script=_inline("\n".join(asset(name) for name in self.files)),
+            unpack=asset("unpack.js"),
+            script="\n".join(asset(name) for name in self.files),
         )
+
+    @property
+    def policy(self) -> str:
+        """What the browser lets the page do."""
+        return _PLOTTED if self.uses_plotly else _SCRIPTED
 
 
 def page(
@@ -49,26 +58,29 @@ def page(
     version: str,
     styles: tuple[str, ...],
     main: str,
+    made: Sequence[tuple[str, str]],
     script: Script | None = None,
 ) -> str:
     """Return a page: what kind it is, its title and scope as text, and what it shows as HTML.
 
     It needs nothing but a browser, which is told to load nothing from any other place. ``styles``
-    are CSS files.
+    are CSS files besides the one that all pages share. ``made`` tells how to make the same again.
+    What only ``script`` can show has the class ``needs-script``; what stands in for it where no
+    script runs, ``without-script``.
     """
-    policy = _STATIC
-    if script is not None:
-        policy = _PLOTTED if script.uses_plotly else _SCRIPTED
     return fill(
         "base.html",
-        policy=policy,
+        policy=_STATIC if script is None else script.policy,
         version=escape(version),
         title=escape(title),
         kind=escape(kind),
         kicker=escape(kind[:1].upper() + kind[1:]),
         scope=escape(scope),
-        style="".join(asset(name) for name in styles),
+        style="".join(asset(name) for name in ("page.css", *styles)),
+        unscripted="" if script is None else asset("unscripted.html"),
+        notice="" if script is None else fill("notice.html", draws=escape(script.draws)),
         main=main,
+        made=pair_table(made),
         script="" if script is None else script.html,
     )
 
@@ -94,13 +106,14 @@ def write_text(text: str, path: Path, what: str) -> None:
         ) from error
 
 
+def packed(text: str) -> str:
+    """Return text as base64 of gzip, the same on every run, for ``unpack.js`` to read."""
+    return base64.b64encode(gzip.compress(text.encode(), mtime=0)).decode("ascii")
+
+
+@cache
 def _plotly() -> str:
     # It takes a second to import, and only pages with plots need it.
     from plotly.offline import get_plotlyjs
 
-    return f"<script>{_inline(get_plotlyjs())}</script>\n"
-
-
-def _inline(code: str) -> str:
-    """Return JavaScript that no HTML parser mistakes for the end of its script element."""
-    return re.sub(r"<(?=/script|!--)", r"<\\", code, flags=re.IGNORECASE)
+    return f'<script type="application/gzip" id="plotly">{packed(get_plotlyjs())}</script>\n'

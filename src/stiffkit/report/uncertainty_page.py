@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import json
 from collections.abc import Iterator, Sequence
 from html import escape
@@ -19,13 +18,16 @@ from stiffkit.design.uncertainty.summary import (
     part_rows,
     summaries,
 )
-from stiffkit.errors import OutputError
 from stiffkit.plots import display_unit, format_value, position_text
 from stiffkit.plots.quantities import kind_of
 from stiffkit.plots.uncertainty_maps import title_of
-from stiffkit.report.tables import bullet_list, card, pair_table, provenance
+from stiffkit.report.pictures import figure, is_drawing
+from stiffkit.report.tables import bullet_list, card, provenance
 from stiffkit.report.template import fill, page, write_text
 from stiffkit.units import format_quantity
+
+_WORDS = ("model", "kind", "where", "sources of the variance")
+"""Columns that hold words, and no numbers."""
 
 _LIMIT = (
     "Where two directions of a posture are equally weak, the weakest stiffness has a kink, and "
@@ -35,7 +37,7 @@ _LIMIT = (
 
 
 def write_uncertainty_page(dataset: xr.Dataset, figures: Sequence[Path], path: Path) -> None:
-    """Write a study as one self-contained page; the PNG ones of ``figures`` are shown in it.
+    """Write a study as one self-contained page; the drawings among ``figures`` are shown.
 
     Raises OutputError if a figure cannot be read or the page cannot be written.
     """
@@ -45,7 +47,7 @@ def write_uncertainty_page(dataset: xr.Dataset, figures: Sequence[Path], path: P
 def _page(dataset: xr.Dataset, figures: Sequence[Path]) -> str:
     found = summaries(dataset)
     options = json.loads(str(dataset.attrs["options"]))
-    shown = [path for path in figures if path.suffix == ".png"]
+    shown = [path for path in figures if is_drawing(path)]
     main = fill(
         "uncertainty.html",
         cards="".join(_cards(dataset, found)),
@@ -56,7 +58,6 @@ def _page(dataset: xr.Dataset, figures: Sequence[Path]) -> str:
         workspace=_gallery(shown, "map-", "band-"),
         ranking="".join(_rankings(dataset, shown)),
         check=_check(found, shown, dataset),
-        provenance=pair_table(provenance(dataset.attrs)),
     )
     models = " and ".join(str(model) for model in dataset["model"].values)
     return page(
@@ -64,8 +65,9 @@ def _page(dataset: xr.Dataset, figures: Sequence[Path]) -> str:
         title=str(dataset.attrs["title"]),
         scope=f"{dataset.attrs['robot_title']}, {models} model, bands of {_confidence(dataset)}.",
         version=str(dataset.attrs["stiffkit_version"]),
-        styles=("page.css", "uncertainty.css"),
+        styles=(),
         main=main,
+        made=provenance(dataset.attrs),
     )
 
 
@@ -131,16 +133,15 @@ def _reading(dataset: xr.Dataset) -> list[str]:
     ]
 
 
-def _table(heads: Sequence[str], rows: Sequence[Sequence[str]], words: int) -> str:
-    """Return a table whose first column names the rows, and the last ``words`` hold words."""
-    last = len(heads) - words
-    top = "".join(
-        f'<th scope="col"{_words(i >= last or i == 0)}>{escape(head)}</th>'
-        for i, head in enumerate(heads)
-    )
+def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Return a table whose first column names the rows."""
+    top = "".join(f'<th scope="col"{_words(head)}>{escape(head)}</th>' for head in heads)
     body = "".join(
         f'<tr><th scope="row">{escape(row[0])}</th>'
-        + "".join(f"<td{_words(i >= last)}>{escape(x)}</td>" for i, x in enumerate(row) if i)
+        + "".join(
+            f"<td{_words(head)}>{escape(x)}</td>"
+            for head, x in zip(heads[1:], row[1:], strict=True)
+        )
         + "</tr>"
         for row in rows
     )
@@ -150,8 +151,8 @@ def _table(heads: Sequence[str], rows: Sequence[Sequence[str]], words: int) -> s
     )
 
 
-def _words(yes: bool) -> str:
-    return ' class="words"' if yes else ""
+def _words(head: str) -> str:
+    return ' class="words"' if head in _WORDS else ""
 
 
 def _bands(found: Sequence[Summary]) -> str:
@@ -169,7 +170,7 @@ def _bands(found: Sequence[Summary]) -> str:
         for one in found
     ]
     heads = ("quantity", "model", "mean", "worst", "where", "sources of the variance")
-    return _table(heads, rows, words=2)
+    return _table(heads, rows)
 
 
 def _causes(one: Summary) -> str:
@@ -183,7 +184,7 @@ def _rankings(dataset: xr.Dataset, shown: Sequence[Path]) -> Iterator[str]:
         if not rows:
             continue
         heads = ("part", "kind", "share, %", "at the worst, %", "mass, kg", "gain, %/kg")
-        table = _table(heads, [_part(row) for row in rows], words=0)
+        table = _table(heads, [_part(row) for row in rows])
         yield (
             f"<h3>{escape(title_of(dataset, name))}</h3>{_gallery(shown, f'ranking-{name}.')}"
             f"<details><summary>All parts</summary>{table}</details>"
@@ -211,21 +212,9 @@ def _check(found: Sequence[Summary], shown: Sequence[Path], dataset: xr.Dataset)
         f"Of {dataset.attrs['samples']} robots drawn at random, so many lie within the bands of "
         f"the first order; {_confidence(dataset)} are asked.{told}"
     )
-    return f'{_gallery(shown, "check-")}{_table(heads, rows, words=0)}<p class="hint">{hint}</p>'
+    return f'{_gallery(shown, "check-")}{_table(heads, rows)}<p class="hint">{hint}</p>'
 
 
 def _gallery(shown: Sequence[Path], *beginnings: str) -> str:
     """Return those of some pictures whose names begin so, inside the page."""
-    return "".join(_image(path) for path in shown if path.name.startswith(beginnings))
-
-
-def _image(path: Path) -> str:
-    try:
-        content = base64.b64encode(path.read_bytes()).decode("ascii")
-    except OSError as error:
-        raise OutputError(
-            f"cannot read the figure {path}: {error.strerror or error}",
-            mend="write the figures first, and give their paths as they were returned",
-        ) from error
-    name = escape(path.stem)
-    return f'<figure><img alt="{name}" src="data:image/png;base64,{content}"></figure>'
+    return "".join(figure(path) for path in shown if path.name.startswith(beginnings))

@@ -162,6 +162,10 @@ def _status_sentences(status: NDArray[np.int8]) -> list[str]:
             verb = "is" if count == 1 else "are"
             share = format_value(float(f"{100.0 * count / total:.2g}"))
             sentences.append(f"{grouped(count)} ({share} %) {verb} {reason}.")
+    if (status == 1).any() and not computed:
+        sentences.append(
+            "Choose a workspace around the home posture; numbers without a unit are metres."
+        )
     return sentences
 
 

@@ -27,7 +27,7 @@ function drawBranches(number) {
   }));
   const layout = baseLayout(330);
   layout.showlegend = true;
-  layout.legend = { orientation: "h", x: 0.95, xanchor: "right", y: 1.01, yanchor: "bottom" };
+  layout.legend = LEGEND;
   layout.margin.l = 72;
   layout.xaxis = axisLayout({ name: line.axis, unit: line.unit }, { showgrid: true, gridcolor: "#eceff2" });
   layout.yaxis = axisLayout({ name: "Natural frequency", unit }, { showgrid: true, gridcolor: "#eceff2" });

@@ -1,6 +1,6 @@
 // The numbers of the map, as Python left them, and how to read them.
 
-const map = JSON.parse(document.getElementById("data").textContent);
+const map = JSON.parse(await unpacked("data"));
 const RATIO = "ratio";
 const BOTH = "both";
 const STATUS = ["computed", "out of reach", "singular", "uncontrolled", "outside the workspace"];

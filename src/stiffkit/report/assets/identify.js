@@ -1,6 +1,6 @@
 // Residuals of an identification: the nodes in space, and histograms.
 
-const shown = JSON.parse(document.getElementById("data").textContent);
+const shown = JSON.parse(await unpacked("data"));
 const control = (id) => document.getElementById(id);
 const COMPONENT_WORDS = { all: "size", x: "along x", y: "along y", z: "along z" };
 const BEFORE = "#b9bfc6";
@@ -50,8 +50,8 @@ function drawField() {
       type: "scatter3d", mode: "markers", x, y, z, ...hover,
       marker: {
         size, color: values, cmin, cmax, line: { width: 0 },
-        colorscale: state.component === "all" ? "Viridis" : "RdBu",
-        reversescale: state.component !== "all",
+        // Both are told from light to dark; two colours around zero are one grey.
+        colorscale: state.component === "all" ? "Viridis" : "Cividis",
         colorbar: { title: { text: `residual ${COMPONENT_WORDS[state.component]} (µm)`, side: "right" }, thickness: 14, outlinewidth: 0, len: 0.85, exponentformat: "power" },
       },
     },
@@ -167,6 +167,7 @@ function start() {
     control("compliance-si").hidden = event.target.value !== "si";
   });
   draw();
+  fitToPaperInPrint();
 }
 
 start();

@@ -53,7 +53,7 @@ function drawCurve(id, along, view, height) {
   }));
   const layout = baseLayout(height);
   layout.showlegend = true;
-  layout.legend = { orientation: "h", x: 0.95, xanchor: "right", y: 1.01, yanchor: "bottom" };
+  layout.legend = LEGEND;
   layout.margin.l = 72;
   layout.xaxis = axisLayout(along.axis, { showgrid: true, gridcolor: "#eceff2" });
   layout.yaxis = axisLayout({ name: view.title, unit: "" }, { showgrid: true, gridcolor: "#eceff2" });

@@ -6,6 +6,13 @@ const FONT = {
   color: "#1c2127",
 };
 const GAP_COLOURS = { 1: "#dcdfe3", 2: "#5a5a5a", 3: "#9a9a9a", 4: "#ffffff" };
+// What tells gaps from colours, and from each other, where all are grey.
+const GAP_MARKS = {
+  1: { symbol: "line-ne", size: 8, line: { width: 1.2, color: "#98a1aa" } },
+  2: { symbol: "x-thin", size: 6, line: { width: 1.4, color: "#ffffff" } },
+  3: { symbol: "circle", size: 3.5, color: "#ffffff", line: { width: 0 } },
+};
+const MARKS_ALONG = 32;
 const LINE_LOOK = {
   refined: { color: "#0072b2", dash: "solid" },
   simplified: { color: "#d55e00", dash: "dash" },
@@ -26,7 +33,7 @@ function baseLayout(height) {
   return {
     height,
     font: FONT,
-    margin: { l: 64, r: 16, t: 34, b: 50 },
+    margin: { l: 64, r: 16, t: TOP, b: 50 },
     paper_bgcolor: "rgba(0,0,0,0)",
     plot_bgcolor: "#ffffff",
     hoverlabel: { align: "left", bgcolor: "#ffffff", bordercolor: "#9aa3ac", font: { ...FONT, size: 12 } },
@@ -139,4 +146,28 @@ function emptiness(values) {
   if (known.every((value) => value === 0)) return "zero in this model";
   if (known.every((value) => !Number.isFinite(value))) return "rigid in this model";
   return null;
+}
+
+// Legends stand over the notes on paper, where there is no room for them side by side.
+const LEGEND = { orientation: "h", x: 0.95, xanchor: "right", y: 1.01, yanchor: "bottom" };
+const LEGEND_ON_PAPER = { orientation: "h", x: 0, xanchor: "left", y: 1.09, yanchor: "bottom" };
+const TOP = 34;
+
+const WIDTH_ON_PAPER = 660;
+
+function fitToPaperInPrint() {
+  const plots = () => [...document.querySelectorAll(".js-plotly-plot")];
+  // A plot in space would be drawn anew too late for the printer; its picture is made smaller.
+  const spaces = () => plots().filter((shown) => shown.layout.scene);
+  const fit = (size, legend, t) => plots().filter((shown) => !shown.layout.scene).forEach((shown) => {
+    Plotly.relayout(shown, shown.layout.showlegend ? { ...size, legend, "margin.t": t } : size);
+  });
+  window.addEventListener("beforeprint", () => {
+    fit({ width: WIDTH_ON_PAPER }, LEGEND_ON_PAPER, TOP + 24);
+    spaces().forEach((shown) => { shown.style.zoom = Math.min(1, WIDTH_ON_PAPER / shown.clientWidth); });
+  });
+  window.addEventListener("afterprint", () => {
+    fit({ width: null, autosize: true }, LEGEND, TOP);
+    spaces().forEach((shown) => { shown.style.zoom = ""; });
+  });
 }

@@ -76,14 +76,6 @@ function chooseOnClick(id) {
   });
 }
 
-function fitToPaper() {
-  document.querySelectorAll(".js-plotly-plot").forEach((shown) => Plotly.relayout(shown, { width: 660 }));
-}
-
-function fitToWindow() {
-  document.querySelectorAll(".js-plotly-plot").forEach((shown) => Plotly.relayout(shown, { width: null, autosize: true }));
-}
-
 function start() {
   const models = map.models.map((model) => [model, model]);
   if (models.length === 2) models.push([BOTH, "both, side by side"], [RATIO, "ratio refined / simplified"]);
@@ -103,8 +95,7 @@ function start() {
   draw();
   startBranches();
   ["map", "volume", "lines"].forEach(chooseOnClick);
-  window.addEventListener("beforeprint", fitToPaper);
-  window.addEventListener("afterprint", fitToWindow);
+  fitToPaperInPrint();
 }
 
 start();

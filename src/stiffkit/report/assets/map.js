@@ -28,9 +28,10 @@ function drawPlane(view) {
   view.models.forEach((model, panel) => {
     const suffix = panel ? String(panel + 1) : "";
     const domain = count > 1 ? [panel * 0.53, panel * 0.53 + 0.47] : [0, 1];
-    layout[`xaxis${suffix}`] = axisLayout(first, { domain, anchor: `y${suffix}`, ...(equal ? { constrain: "domain" } : {}) });
+    layout[`xaxis${suffix}`] = axisLayout(first, { domain, anchor: `y${suffix}`, ...rangeOf(first), ...(equal ? { constrain: "domain" } : {}) });
     layout[`yaxis${suffix}`] = axisLayout(second, {
       anchor: `x${suffix}`,
+      ...rangeOf(second),
       ...(equal ? { constrain: "domain" } : {}),
       ...(panel ? { matches: "y", title: undefined, showticklabels: false } : {}),
       ...(equal && !panel ? { scaleanchor: "x" } : {}),
@@ -43,6 +44,13 @@ function drawPlane(view) {
     layout.annotations.push(...panelNotes(view, panel, suffix));
   });
   plot("map", traces, layout);
+}
+
+// Marks at the edge would otherwise make room for themselves.
+function rangeOf({ values }) {
+  const n = values.length;
+  if (!map.isGrid || n < 2) return {};
+  return { range: [1.5 * values[0] - 0.5 * values[1], 1.5 * values[n - 1] - 0.5 * values[n - 2]] };
 }
 
 function planeHeight(first, second, equal, count) {
@@ -67,6 +75,18 @@ function panelNotes(view, panel, suffix) {
   const empty = emptiness(view.columns[panel]);
   if (empty) notes.push({ ...at, x: 0.5, y: 0.5, text: empty, bgcolor: "#ffffff", borderpad: 6 });
   return notes;
+}
+
+function gapMarks(gaps, code, marker) {
+  const [first, second] = map.axes;
+  const every = Math.ceil(Math.max(...map.shape.slice(0, 2)) / MARKS_ALONG);
+  const [x, y] = [[], []];
+  gaps.forEach((row, j) => row.forEach((status, i) => {
+    if (status !== code || i % every > 0 || j % every > 0) return;
+    x.push(first.values[i]);
+    y.push(second.values[j]);
+  }));
+  return { type: "scatter", mode: "markers", x, y, marker, hoverinfo: "skip" };
 }
 
 function cellTraces(view, panel) {
@@ -97,6 +117,7 @@ function cellTraces(view, panel) {
     { ...base, type: "heatmap", z: gaps, zmin: 0.5, zmax: 4.5, colorscale: steps, showscale: false, hoverongaps: false },
     { ...base, type: "heatmap", z, coloraxis: "coloraxis", hoverongaps: false },
   ];
+  for (const [code, marker] of Object.entries(GAP_MARKS)) traces.push(gapMarks(gaps, Number(code), marker));
   if (!emptiness(view.columns[panel])) {
     traces.push({
       type: "contour", x: first.values, y: second.values, z, ncontours: 9, showscale: false, hoverinfo: "skip",
@@ -221,6 +242,7 @@ function drawLegend(view) {
     if ((HAS_VOLUME && !HAS_MAP) || !seen.has(String(code))) continue;
     const entry = document.createElement("span");
     entry.textContent = STATUS[code];
+    entry.className = `gap-${code}`;
     entry.style.setProperty("--swatch", GAP_COLOURS[code]);
     legend.append(entry);
   }

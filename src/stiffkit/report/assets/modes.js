@@ -1,6 +1,6 @@
 // The mechanism at rest and as a mode moves it, on a canvas that can be turned.
 
-const data = JSON.parse(document.getElementById("data").textContent);
+const data = JSON.parse(await unpacked("data"));
 const byId = (id) => document.getElementById(id);
 const canvas = byId("shape");
 const pen = canvas.getContext("2d");
