@@ -4,28 +4,37 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.ready
 DEMO := out/biglide
+DOCS := out/docs
 
-.PHONY: demo test lint format bench bench-fea bench-peers lock clean
+.PHONY: demo docs test lint format bench bench-fea bench-peers lock clean
 
 demo: $(STAMP)
 	$(BIN)/stiffkit map biglide -o $(DEMO)
+
+# Notebooks are run, warnings are errors, and every link must lead somewhere. Nothing is fetched.
+docs: $(STAMP)
+	rm -rf $(DOCS)
+	$(BIN)/python -m sphinx -q -W --keep-going -E -d $(DOCS)/.doctrees docs $(DOCS)
+	$(BIN)/python docs/_ext/check_site.py $(DOCS)
+	@echo "open $(DOCS)/index.html"
 
 test: lint
 	requirements/need-browser.sh
 	requirements/need-calculix.sh
 	requirements/need-fortran.sh
-	$(BIN)/pytest -n auto
+	$(BIN)/pytest -n auto --dist worksteal
 
 lint: $(STAMP)
-	$(BIN)/ruff format --check src tests benchmarks
-	$(BIN)/ruff check src tests benchmarks
+	$(BIN)/ruff format --check src tests benchmarks docs
+	$(BIN)/ruff check src tests benchmarks docs
 	$(BIN)/mypy
 
 format: $(STAMP)
-	$(BIN)/ruff format src tests benchmarks
-	$(BIN)/ruff check --fix src tests benchmarks
+	$(BIN)/ruff format src tests benchmarks docs
+	$(BIN)/ruff check --fix src tests benchmarks docs
 
 bench: $(STAMP)
+	requirements/need-browser.sh
 	$(BIN)/python -m benchmarks
 
 bench-fea: $(STAMP)

@@ -19,6 +19,8 @@ from benchmarks import (
     machine,
     processes,
     stages,
+    studio,
+    studio_page,
     vibration,
 )
 from benchmarks.table import Cell, show
@@ -193,6 +195,8 @@ SECTIONS: dict[str, Callable[[machine.Machine], list[Row]]] = {
     "cluster": long_studies.run_cluster,
     "scheduling": long_studies.run_scheduling,
     "identification": run_identification,
+    "studio": studio.run_studio,
+    "browser": studio_page.run_studio_page,
     "processes": run_processes,
 }
 """By name, in the order in which they run."""

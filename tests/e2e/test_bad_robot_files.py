@@ -184,6 +184,14 @@ SLIPS: dict[str, Slip] = {
         "is not allowed",
         "write the value without a tag",
     ),
+    "lost unit": (
+        "proximal: 200 mm",
+        "proximal: 200",
+        28,
+        "home",
+        "cannot be put together",
+        "a number without a unit is in metres",
+    ),
     "broken YAML": (
         "tool: {at: left_rod.tip}",
         "tool: {at: left_rod.tip",
@@ -199,6 +207,13 @@ SLIPS: dict[str, Slip] = {
 def test_the_robot_without_slips_is_right(tmp_path: Path) -> None:
     (tmp_path / "robot.yaml").write_text(ROBOT, encoding="utf-8")
     assert output_of("check", "robot.yaml", cwd=tmp_path).startswith("robot  ")
+
+
+def test_a_workspace_out_of_reach_is_told(tmp_path: Path) -> None:
+    text = ROBOT.replace("y: [300 mm, 450 mm]", "y: [450 mm, 900 mm]")
+    (tmp_path / "robot.yaml").write_text(text, encoding="utf-8")
+    shown = output_of("check", "robot.yaml", cwd=tmp_path)
+    assert "note: workspace: of 35 postures tried, 29 not reached" in shown
 
 
 @pytest.mark.parametrize("case", SLIPS)

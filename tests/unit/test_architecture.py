@@ -33,9 +33,9 @@ FLOORS = {
     "design": 10,
     "plots": 11,
     "report": 12,
-    "studio": 12,
+    "studio": 13,
     "reproduce": 12,
-    "cli": 13,
+    "cli": 14,
 }
 
 

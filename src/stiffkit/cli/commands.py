@@ -27,6 +27,7 @@ from stiffkit.cli.identifying import advise, identify
 from stiffkit.cli.linking import link
 from stiffkit.cli.parts import parts
 from stiffkit.cli.reproducing import reproduce
+from stiffkit.cli.studio import studio
 from stiffkit.cli.studying import study
 from stiffkit.cli.uncertain import uncertainty
 from stiffkit.cli.verifying import verify
@@ -74,6 +75,7 @@ main.add_command(advise)
 main.add_command(link)
 main.add_command(parts)
 main.add_command(reproduce)
+main.add_command(studio)
 main.add_command(study)
 main.add_command(uncertainty)
 main.add_command(verify)
@@ -100,15 +102,17 @@ def check(robot: str, settings: tuple[str, ...]) -> None:
     """Read a robot file, put the robot together and say what it is.
 
     Bodies, loops, mobility (counted, and numeric at the home posture), degree of over-constraint,
-    free motions and warnings.
+    free motions and warnings, and whether a few postures over the workspace are within reach.
 
     Example:  stiffkit check biglide
     """
     loaded = _load(robot, settings)
-    from stiffkit.cli.show import show_summary
-    from stiffkit.study import summarise
+    from stiffkit.cli.show import show_notes, show_summary
+    from stiffkit.study import Analysis, probe_workspace, summarise
 
-    show_summary(summarise(loaded))
+    analysis = Analysis(loaded)
+    show_summary(summarise(analysis))
+    show_notes(probe_workspace(analysis))
 
 
 @main.command()
@@ -247,12 +251,14 @@ def _write_modes(result: ModesResult, output: Path) -> None:
     default=None,
     help="How many threads compute; by default STIFFKIT_THREADS, else all processors.",
 )
+@click.option("--report/--no-report", default=True, help="Draw figures and write a report, or not.")
 @parameter_option
 def map_(
     robot: str,
     output: Path | None,
     points: int | None,
     threads: int | None,
+    report: bool,
     settings: tuple[str, ...],
 ) -> None:
     """Stiffness over the whole workspace: dataset, figures and an interactive report.
@@ -264,28 +270,22 @@ def map_(
     """
     loaded = _load(robot, settings)
     from stiffkit.cli.show import progress
-    from stiffkit.study import Analysis, map_workspace, summarise, whole_directory, write_dataset
+    from stiffkit.report import write_map
+    from stiffkit.study import Analysis
 
     target = output or Path(f"stiffkit-{loaded.name}")
-    with whole_directory(target) as work, progress(sys.stderr.isatty()) as report:
-        analysis = Analysis(loaded)
-        summary = summarise(analysis)
-        dataset = map_workspace(analysis, points=points, threads=threads, progress=report)
-        report("writing the dataset", 1.0)
-        write_dataset(dataset, work)
-        report("drawing figures", 1.0)
-        from stiffkit.plots import write_figures
-        from stiffkit.report import status_in_words, write_report
-
-        figures = write_figures(dataset, work / "figures")
-        report("writing the report", 1.0)
-        write_report(dataset, summary.facts, work / "report.html", figures)
-    for sentence in status_in_words(dataset):
+    with progress(sys.stderr.isatty()) as tell:
+        written = write_map(
+            Analysis(loaded), target, points=points, threads=threads, report=report, progress=tell
+        )
+    for sentence in written.sentences:
         click.echo(sentence)
-    click.echo(f"Dataset, report and {len(figures)} figures in {target}")
-    for warning in summary.warnings:
+    whole = f"Dataset, report and {written.n_figures} figures" if report else "Dataset"
+    click.echo(f"{whole} in {target}")
+    for warning in written.summary.warnings:
         click.echo(f"note: {warning}")
-    click.echo(f"open {target / 'report.html'}")
+    if report:
+        click.echo(f"open {target / 'report.html'}")
 
 
 @main.command()

@@ -63,8 +63,13 @@ def show_summary(summary: Summary) -> None:
     width = max(len(name) for name, _ in summary.facts)
     for name, value in summary.facts:
         click.echo(f"{name:<{width}}  {value}")
-    for warning in summary.warnings:
-        click.echo(click.style("note: ", fg="yellow", bold=True) + warning)
+    show_notes(summary.warnings)
+
+
+def show_notes(notes: Sequence[str]) -> None:
+    """Print what is worth knowing before the numbers are used."""
+    for note in notes:
+        click.echo(click.style("note: ", fg="yellow", bold=True) + note)
 
 
 def show_pose(result: PoseResult) -> None:
@@ -122,8 +127,7 @@ def show_modes(result: ModesResult) -> None:
     for rule, names in alike.items():
         text = f"{', '.join(names)}: {rule}"
         click.echo(fill(text, 98, initial_indent="  ", subsequent_indent="    "))
-    for note in result.notes:
-        click.echo(click.style("note: ", fg="yellow", bold=True) + note)
+    show_notes(result.notes)
 
 
 def tool_in_words(tool: NDArray[np.float64]) -> str:
@@ -153,8 +157,14 @@ def _show_axes(title: str, axes: PrincipalAxes | None, factor: float) -> None:
         click.echo(f"  {shown}   ({words})")
 
 
+_ROUNDING = 1e-13
+"""Share of what an entry of a symmetric matrix can be beside its diagonal that is rounding."""
+
+
 def _show_matrix(matrix: NDArray[np.float64]) -> None:
-    for row in matrix:
+    diagonal = np.sqrt(np.abs(np.diag(matrix)))
+    rounding = np.abs(matrix) <= _ROUNDING * np.outer(diagonal, diagonal)
+    for row in np.where(rounding, 0.0, matrix):
         click.echo("  " + "".join(f"{x + 0.0:>13.4e}" for x in row))
 
 

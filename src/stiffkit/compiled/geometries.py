@@ -56,6 +56,12 @@ class GeometriesFunction:
             return self._interpreted(constants[:, number])
         return self._compiled(constants, number)
 
+    def compiled(self) -> GeometriesFunction:
+        """Return this, compiled now if ever, for several threads to use."""
+        if self._backend != "numpy":
+            _ = self._function
+        return self
+
     @cached_property
     def _function(self) -> Any:
         return self._batch.compile()

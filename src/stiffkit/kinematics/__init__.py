@@ -3,6 +3,7 @@
 from stiffkit.kinematics.closure import ClosureEquations
 from stiffkit.kinematics.locate import Located
 from stiffkit.kinematics.mobility import Mobility
+from stiffkit.kinematics.places import Locator, Places
 from stiffkit.kinematics.postures import Kinematics, Postures, Status, typical_length
 from stiffkit.kinematics.tree import SpanningTree
 
@@ -10,7 +11,9 @@ __all__ = [
     "ClosureEquations",
     "Kinematics",
     "Located",
+    "Locator",
     "Mobility",
+    "Places",
     "Postures",
     "SpanningTree",
     "Status",

@@ -28,6 +28,9 @@ _TRIES = 30
 _HOPELESS = 8
 """Starts without any assembly after which there is held to be none."""
 
+_HUGE = 30.0
+"""Size (m) above which a robot that cannot be put together has probably lost a unit."""
+
 NEAR_HINTS = 0.5
 """Largest distance of a joint from its rough coordinate, rad or robot sizes."""
 
@@ -80,9 +83,21 @@ def assemble(closure: ClosureEquations) -> HomePosture:
         open_loops = gaps(closure, nearest_miss[1], asked) or "its loops close only nearly"
         raise AssemblyError(
             f"the mechanism cannot be put together at its home posture: {open_loops}",
-            mend="check lengths and joint frames, or give rough joint coordinates under 'home'",
+            mend=_mend(closure),
         )
     return best
+
+
+def _mend(closure: ClosureEquations) -> str:
+    """Return what to do about a robot that cannot be put together."""
+    if closure.length > _HUGE:
+        return (
+            f"the robot is {closure.length:.3g} m large: a number without a unit is in metres, so "
+            "write '310 mm' or 0.31"
+        )
+    if not closure.tree.robot.home.joints:
+        return "check lengths and joint frames, or give rough joint coordinates under 'home'"
+    return "check lengths and joint frames, or choose a home posture within reach"
 
 
 def _guess(closure: ClosureEquations) -> tuple[Array, NDArray[np.bool_]]:

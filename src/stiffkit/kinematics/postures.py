@@ -163,11 +163,14 @@ class Kinematics:
             joints[start : start + len(part)] = part
             start += len(part)
 
-    def solve(self, asked: Array, wanted: NDArray[np.bool_] | None = None) -> Postures:
+    def solve(
+        self, asked: Array, wanted: NDArray[np.bool_] | None = None, *, detours: bool = True
+    ) -> Postures:
         """Return the postures at tool coordinates (m, N) in the order of `asked`, SI.
 
         The assembly mode of the home posture is followed; what it cannot reach is NaN, and so is
-        what is not ``wanted`` (N,).
+        what is not ``wanted`` (N,). Without ``detours`` only ways between these postures are tried,
+        which is quicker where some are out of reach.
         """
         closure = self.closure
         home_tool = self.home.tool[:, 0]
@@ -179,7 +182,7 @@ class Kinematics:
         everywhere = wanted is None or bool(wanted.all())
         poses = asked if everywhere else asked[:, wanted]
         tracker = self._tracker(poses.shape[1])
-        q, _ = tracker.spread(q_home[:, None], home, poses, span)
+        q, _ = tracker.spread(q_home[:, None], home, poses, span, detours=detours)
         if not everywhere:
             found = q
             q = np.full((closure.n_unknowns, asked.shape[1]), np.nan)
@@ -192,20 +195,19 @@ class Kinematics:
         Independent coordinates that are not given are the home posture's. Raises PoseError for a
         coordinate that does not exist, or that follows from the others and has another value.
         """
-        for name in at:
-            if name not in DIRECTIONS:
-                raise PoseError(
-                    f"'{name}' is no tool coordinate",
-                    mend=f"the tool coordinates are {', '.join(DIRECTIONS)}",
-                )
+        check_names(at)
         home = self.home.tool[:, 0]
         asked = [at.get(d, home[DIRECTIONS.index(d)]) for d in self.asked]
         postures = self.solve(np.array(asked)[:, None])
         if postures.reached[0]:
-            self._check_dependent(at, postures.tool[:, 0])
+            self.check_dependent(at, postures.tool[:, 0])
         return postures
 
-    def _check_dependent(self, at: Mapping[str, float], tool: Array) -> None:
+    def check_dependent(self, at: Mapping[str, float], tool: Array) -> None:
+        """Check tool coordinates that were asked for against the pose (6,) that was reached.
+
+        Raises PoseError for one that follows from the others and has another value.
+        """
         for name, wanted in at.items():
             if name in self.asked:
                 continue
@@ -220,6 +222,16 @@ class Kinematics:
                     mend=f"leave {name} out; the independent tool coordinates of"
                     f" {self.robot.name} are: {independent}",
                 )
+
+
+def check_names(at: Mapping[str, float]) -> None:
+    """Raise PoseError for a tool coordinate that does not exist."""
+    for name in at:
+        if name not in DIRECTIONS:
+            raise PoseError(
+                f"'{name}' is no tool coordinate",
+                mend=f"the tool coordinates are {', '.join(DIRECTIONS)}",
+            )
 
 
 def typical_length(robot: Robot) -> float:

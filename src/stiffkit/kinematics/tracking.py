@@ -44,7 +44,7 @@ _FULL = 0.5
 """Share of the postures in work that must still be on their way; below it the others are left."""
 _ITERATIONS = 8
 _POLISH = 40
-_SMALLEST_PIECE = 1.0 / 256.0
+SMALLEST_PIECE = 1.0 / 256.0
 _ANCHORS = 512
 """Poses that are reached straight from home, before all others."""
 _WAYPOINTS = 600
@@ -78,6 +78,8 @@ class Tracker:
     """Number of unknowns."""
     turns: Mask
     """(m,), which of the tool coordinates asked for are rotations."""
+    smallest_piece: float = SMALLEST_PIECE
+    """Share of the way to an end below which a piece is not halved any more."""
 
     def follow(self, q: Array, start: Array, end: Array) -> Followed:
         """Continue postures ``q`` (n, N) at tool coordinates ``start`` (m, N) to ``end`` (m, N)."""
@@ -101,7 +103,7 @@ class Tracker:
             done[moved] = s[accepted]
             piece[moved] *= 2.0
             piece[active[~accepted]] *= 0.5
-            active = active[(done[active] < 1.0) & (piece[active] >= _SMALLEST_PIECE)]
+            active = active[(done[active] < 1.0) & (piece[active] >= self.smallest_piece)]
         q, closed = self._polish(q, end, done >= 1.0)
         return Followed(q, closed, at_limit)
 
@@ -162,15 +164,17 @@ class Tracker:
         n = self.n
         return out[:n], np.sqrt(out[n]), np.sqrt(out[n + 1]), out[n + 2 :]
 
-    def spread(self, q_home: Array, home: Array, asked: Array, span: Array) -> tuple[Array, Mask]:
+    def spread(
+        self, q_home: Array, home: Array, asked: Array, span: Array, *, detours: bool = True
+    ) -> tuple[Array, Mask]:
         """Reach many tool poses ``asked`` (m, N) from one known posture.
 
         Return the unknowns, NaN where a pose was not reached, and where it was. ``span`` (m,) makes
-        distances comparable.
+        distances comparable. Without ``detours`` only ways between these poses are tried.
         """
         spread = _Spread(self, asked, span)
         spread.explore(q_home, home)
-        if spread.missing.size and 0 < home.size <= _MOST_DIMENSIONS:
+        if detours and spread.missing.size and 0 < home.size <= _MOST_DIMENSIONS:
             # Holes may bar all ways between the poses asked for, and leave others around them.
             around = _Spread(self, _waypoints(home, asked, span), span)
             around.explore(q_home, home)

@@ -10,6 +10,7 @@ from stiffkit.link.checks import (
 )
 from stiffkit.link.line import Line, beam_line, equivalent_line
 from stiffkit.link.materials import MATERIALS, Material
+from stiffkit.link.outline import Outline, equivalent_outline
 from stiffkit.link.sections import (
     CowperCoefficient,
     Section,
@@ -25,6 +26,7 @@ __all__ = [
     "CowperCoefficient",
     "Line",
     "Material",
+    "Outline",
     "Section",
     "Superelement",
     "beam_compliance",
@@ -36,6 +38,7 @@ __all__ = [
     "doubts_compliance",
     "doubts_inertia",
     "equivalent_line",
+    "equivalent_outline",
     "rectangle",
     "round_bar",
     "symmetrize",

@@ -8,6 +8,7 @@ import numpy as np
 
 from stiffkit.errors import LinkError
 from stiffkit.link.materials import Material
+from stiffkit.link.outline import Outline
 from stiffkit.link.sections import Section
 from stiffkit.spatial.rotation import Array, skew
 
@@ -27,6 +28,8 @@ class Line:
     """(3, 3), kg m^2 per metre, of the section about the line; constant."""
     rule: str
     """How the line was made, in words."""
+    outline: Outline | None = None
+    """What its section looks like, y and z of the link; None where nothing is known of it."""
 
     @property
     def length(self) -> float:
@@ -72,7 +75,8 @@ def beam_line(length: float, section: Section, material: Material, mass: float) 
     rho = material.density * mass / own
     rotary = rho * np.diag([section.Iy + section.Iz, section.Iy, section.Iz])
     tip = np.array([length, 0.0, 0.0])
-    return Line(tip, flexibility, mass / length, mass / length, rotary, "beam")
+    even = mass / length
+    return Line(tip, flexibility, even, even, rotary, "beam", section.outline)
 
 
 def equivalent_line(

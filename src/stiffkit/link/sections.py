@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass
 
 from stiffkit.errors import LinkError
+from stiffkit.link.outline import Outline, equivalent_outline
 
 ZETA_5 = 1.0369277551433699263
 """Riemann's zeta function at 5."""
@@ -52,12 +53,19 @@ class Section:
     """Shear coefficient of a force along y."""
     shear_z: CowperCoefficient | float | None = None
     """Shear coefficient of a force along z."""
+    shape: Outline | None = None
+    """What it looks like; None where only its properties are known."""
 
     def __post_init__(self) -> None:
         """Check the values."""
         _positive("section", area=self.area, Iy=self.Iy, Iz=self.Iz, torsion=self.torsion)
         _check_shear("shear_y", self.shear_y)
         _check_shear("shear_z", self.shear_z)
+
+    @property
+    def outline(self) -> Outline:
+        """What it looks like, or what has its area and second moments and may stand for it."""
+        return self.shape or equivalent_outline(self.area, self.Iy, self.Iz, self.torsion)
 
     def shear_coefficients(self, nu: float) -> tuple[float | None, float | None]:
         """Return the shear coefficients along y and z for Poisson's ratio ``nu``."""
@@ -76,6 +84,7 @@ def round_bar(diameter: float) -> Section:
         torsion=2.0 * second_moment,
         shear_y=shear,
         shear_z=shear,
+        shape=Outline("ellipse", diameter, diameter),
     )
 
 
@@ -95,6 +104,7 @@ def tube(outer_diameter: float, wall: float) -> Section:
         torsion=2.0 * second_moment,
         shear_y=shear,
         shear_z=shear,
+        shape=Outline("ellipse", outer_diameter, outer_diameter, inner_diameter, inner_diameter),
     )
 
 
@@ -112,6 +122,7 @@ def rectangle(width: float, height: float) -> Section:
         torsion=_rectangle_torsion(width, height),
         shear_y=shear,
         shear_z=shear,
+        shape=Outline("rectangle", width, height),
     )
 
 
@@ -137,6 +148,7 @@ def box(width: float, height: float, wall: float) -> Section:
         torsion=_box_torsion(mid_width, mid_height, wall),
         shear_y=_box_shear(flange=mid_height, web=mid_width),
         shear_z=_box_shear(flange=mid_width, web=mid_height),
+        shape=Outline("rectangle", width, height, inner_width, inner_height),
     )
 
 
@@ -193,7 +205,7 @@ def _positive(shape: str, **sizes: float) -> None:
 def _wall_fits(shape: str, across: str, size: float, wall: float) -> None:
     if wall >= size / 2.0:
         raise LinkError(
-            f"{shape}: a wall of {wall:g} m does not fit, it must be below half of {across}, "
-            f"{size / 2.0:g} m",
+            f"{shape}: a wall of {1e3 * wall:g} mm does not fit, it must be below half of "
+            f"{across}, {1e3 * size / 2.0:g} mm",
             mend="make the wall thinner, or take a solid section",
         )

@@ -77,8 +77,8 @@ def _has_folder(text: str) -> bool:
 
 
 def _not_found(path: Path, what: str) -> FileError:
-    return FileError(
-        what,
-        path=path,
-        mend=f"check the path; of the catalogue: {suggest(path.stem, list_robots())}",
-    )
+    meant = suggest(path.stem, list_robots())
+    if meant.startswith("did you mean"):
+        return FileError(what, path=path, mend=f"check the path; of the catalogue: {meant}")
+    mend = "check the path; 'stiffkit robots' lists the catalogue"
+    return FileError(what, path=path, mend=mend)

@@ -19,6 +19,7 @@ from stiffkit.link.materials import Material
 from stiffkit.link.written import read_materials
 from stiffkit.progress import Progress
 from stiffkit.robot.catalogue import find_robot
+from stiffkit.robot.dependence import Dependence, dependence
 from stiffkit.robot.joints import check_connected, read_joints
 from stiffkit.robot.links import read_links
 from stiffkit.robot.memo import PartMemo
@@ -120,6 +121,15 @@ class RobotFile:
         Raises FileError where that cannot be.
         """
         return self._parameters.replaced(given or {})[0]
+
+    def dependence(self) -> Dependence:
+        """Return which parameters follow from others, and what parts from CAD have to do with them.
+
+        Raises FileError where ranges of parts cannot be read.
+        """
+        return dependence(
+            replace(self._root, scope=Scope(self._parameters.values)), self._parameters.given
+        )
 
     def _materials(self, entry: Entry) -> dict[str, Material]:
         given = entry.get("materials")

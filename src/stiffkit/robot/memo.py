@@ -38,7 +38,7 @@ class PartMemo:
         """
         entries = list(entries)
         if part not in self._names:
-            self._names[part] = [tuple(sorted(set(_names_in(entry)))) for entry in entries]
+            self._names[part] = [tuple(sorted(set(names_in(entry)))) for entry in entries]
         values = (
             entry.scope.values.get(name)
             for entry, names in zip(entries, self._names[part], strict=True)
@@ -54,7 +54,7 @@ class PartMemo:
         return result
 
 
-def _names_in(entry: Entry) -> Iterator[str]:
+def names_in(entry: Entry) -> Iterator[str]:
     """Yield the names that stand in the expressions of an entry."""
     for text in _texts(entry.node):
         filled = entry.fill(text)

@@ -18,7 +18,8 @@ def describe_free_motion(motion: FreeMotion, tool: Array, length: float) -> str:
     """
     joints = motion.joints
     if not np.any(motion.twist):
-        return f"what hangs between {_listed(joints)} can spin or shift, without any effect"
+        where = "at" if len(joints) == 1 else "between"
+        return f"what hangs {where} {_listed(joints)} can spin or shift, without any effect"
     screw = Screw.of_twist(motion.twist, tool[:3], length)
     words = f"the tool {screw.describe()} with all drives locked"
     return f"{words} (moving: {_listed(joints)})" if joints else words

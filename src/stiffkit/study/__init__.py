@@ -23,7 +23,7 @@ from stiffkit.study.store import (
     whole_directory,
     write_dataset,
 )
-from stiffkit.study.summary import Summary, summarise
+from stiffkit.study.summary import Summary, probe_workspace, summarise
 
 __all__ = [
     "FACES",
@@ -46,6 +46,7 @@ __all__ = [
     "identification",
     "map_workspace",
     "open_map",
+    "probe_workspace",
     "summarise",
     "whole_directory",
     "write_dataset",

@@ -75,8 +75,8 @@ def _map(
     return dataset
 
 
-def postures_of(analysis: Analysis, grid: PoseGrid) -> Postures:
-    """Return the postures at the poses of a grid.
+def postures_of(analysis: Analysis, grid: PoseGrid, *, detours: bool = True) -> Postures:
+    """Return the postures at the poses of a grid; see `Kinematics.solve` for ``detours``.
 
     Raises PoseError if it is over coordinates in which the tool cannot move independently.
     """
@@ -96,7 +96,7 @@ def postures_of(analysis: Analysis, grid: PoseGrid) -> Postures:
     asked = np.stack(
         [values.get(d, np.full(n, home[DIRECTIONS.index(d)])) for d in kinematics.asked]
     )
-    return kinematics.solve(asked, wanted=grid.inside)
+    return kinematics.solve(asked, wanted=grid.inside, detours=detours)
 
 
 def _values(

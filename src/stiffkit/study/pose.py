@@ -9,9 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stiffkit.kinematics import Status
+from stiffkit.kinematics import Postures, Status
 from stiffkit.robot import DIRECTIONS, Robot
-from stiffkit.stiffness import Model, PrincipalAxes, principal_axes
+from stiffkit.stiffness import (
+    Assembly,
+    Model,
+    PrincipalAxes,
+    describe_free_motion,
+    principal_axes,
+)
 from stiffkit.study.analysis import Analysis
 
 Array = NDArray[np.float64]
@@ -102,34 +108,73 @@ def analyse_pose(
     kinematics = analysis.kinematics
     postures = kinematics.solve_at(at)
     stiffness = analysis.model(model)
-    wrenches = loads or {name: load.wrench for name, load in analysis.robot.loads.items()}
     if not postures.reached[0]:
-        return _unreachable(analysis, model, at)
-    found = stiffness.at(postures)
-    status = Status(int(found.status[0]))
+        return unreachable_pose(analysis.robot, model, stiffness.method, out_of_reach(analysis, at))
+    status = Status(int(stiffness.at(postures).status[0]))
+    return judge_posture(stiffness.assembly, postures, status, stiffness.method, loads=loads)
+
+
+def judge_posture(
+    assembly: Assembly,
+    posture: Postures,
+    status: Status,
+    method: str,
+    *,
+    loads: Mapping[str, Array] | None = None,
+) -> PoseResult:
+    """Return what is known of a posture that was reached, a batch of one.
+
+    ``status`` is what the ``method`` by which maps are made found there. ``loads`` (wrenches (6,),
+    N and N m) replace the robot's load cases.
+    """
+    robot, length = assembly.coordinates.tree.robot, assembly.length
+    wrenches = loads or {name: load.wrench for name, load in robot.loads.items()}
     # One posture can afford the general assembly, which also says what is free.
-    exact = stiffness.assembly.at(postures.coordinates[:, 0])
-    tool = postures.tool[:, 0]
-    free = tuple(analysis.words(motion, tool) for motion in exact.free_motions)
+    exact = assembly.at(posture.coordinates[:, 0])
+    tool = posture.tool[:, 0]
+    free = tuple(describe_free_motion(motion, tool, length) for motion in exact.free_motions)
     if status is Status.OK and free:
         # So near to singular that only the more precise of the two ways sees it.
         status = Status.SINGULAR
-    k = _settled(exact.compliance, kinematics.length) if status is Status.OK else None
+    k = _settled(exact.compliance, length) if status is Status.OK else None
     return PoseResult(
-        robot=analysis.robot.name,
-        model=model,
+        robot=robot.name,
+        model=assembly.coordinates.model,
         status=status,
         reason=_reason(status, free),
         tool=tool,
-        joints=dict(zip(kinematics.joint_names, postures.joints[:, 0], strict=True)),
+        joints=dict(zip(_joint_names(robot), posture.joints[:, 0], strict=True)),
         compliance=k,
-        stiffness=exact.stiffness if k is None or _yields(k, kinematics.length) else None,
+        stiffness=exact.stiffness if k is None or _yields(k, length) else None,
         deflections={} if k is None else {name: k @ w for name, w in wrenches.items()},
         translation=None if k is None else principal_axes(k[:3, :3]),
         rotation=None if k is None else principal_axes(k[3:, 3:]),
         free_motions=free,
-        method=stiffness.method,
+        method=method,
     )
+
+
+def unreachable_pose(robot: Robot, model: Model, method: str, reason: str) -> PoseResult:
+    """Return what is known of a tool pose that is not reached, for a ``reason`` in words."""
+    return PoseResult(
+        robot=robot.name,
+        model=model,
+        status=Status.UNREACHABLE,
+        reason=reason,
+        tool=np.full(6, np.nan),
+        joints=dict.fromkeys(_joint_names(robot), float("nan")),
+        compliance=None,
+        stiffness=None,
+        deflections={},
+        translation=None,
+        rotation=None,
+        free_motions=(),
+        method=method,
+    )
+
+
+def _joint_names(robot: Robot) -> list[str]:
+    return [f"{joint.name}.{motion}" for joint in robot.joints.values() for motion in joint.motions]
 
 
 _ROUNDING = 1e-14
@@ -162,30 +207,16 @@ def out_of_reach(analysis: Analysis, at: Mapping[str, float]) -> str:
     """Return in words that the tool coordinates ``at`` (m, rad) cannot be reached."""
     kinematics = analysis.kinematics
     home = kinematics.home.tool[:, 0]
-    asked = ", ".join(
-        f"{d} = {round(at.get(d, home[DIRECTIONS.index(d)]), 12):.6g}"
-        f" {'rad' if d.startswith('r') else 'm'}"
-        for d in kinematics.asked
-    )
-    return f"the assembly mode of the home posture does not reach {asked}"
+    return not_reached({d: at.get(d, home[DIRECTIONS.index(d)]) for d in kinematics.asked})
 
 
-def _unreachable(analysis: Analysis, model: Model, at: Mapping[str, float]) -> PoseResult:
-    return PoseResult(
-        robot=analysis.robot.name,
-        model=model,
-        status=Status.UNREACHABLE,
-        reason=out_of_reach(analysis, at),
-        tool=np.full(6, np.nan),
-        joints=dict.fromkeys(analysis.kinematics.joint_names, float("nan")),
-        compliance=None,
-        stiffness=None,
-        deflections={},
-        translation=None,
-        rotation=None,
-        free_motions=(),
-        method=analysis.model(model).method,
+def not_reached(asked: Mapping[str, float]) -> str:
+    """Return in words that the assembly mode does not reach tool coordinates (m, rad)."""
+    coordinates = ", ".join(
+        f"{d} = {round(value, 12):.6g} {'rad' if d.startswith('r') else 'm'}"
+        for d, value in asked.items()
     )
+    return f"the assembly mode of the home posture does not reach {coordinates}"
 
 
 def _reason(status: Status, free: tuple[str, ...]) -> str:

@@ -10,8 +10,13 @@ from numpy.typing import NDArray
 from stiffkit.kinematics.home import NEAR_HINTS
 from stiffkit.robot import DIRECTIONS, Freedom, Robot
 from stiffkit.study.analysis import Analysis
+from stiffkit.study.grid import pose_grid
+from stiffkit.study.map import postures_of
 
 Array = NDArray[np.float64]
+
+_PROBES = 27
+"""About how many postures tell whether a workspace is within reach."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +59,32 @@ def summarise(robot: Robot | Analysis) -> Summary:
     if idle:
         facts.append(("idle motions", "; ".join(idle)))
     return Summary(tuple(facts), tuple(_warnings(analysis, free, len(drives))))
+
+
+def probe_workspace(analysis: Analysis) -> list[str]:
+    """Return in words how much of a sparse grid over the workspace is out of reach, if any is.
+
+    Ways around holes of the workspace are not looked for, unlike for maps.
+    Raises PoseError if the workspace is over coordinates in which the tool cannot be moved.
+    """
+    workspace = analysis.robot.workspace
+    if not workspace.ranges and workspace.polygon is None and workspace.points is None:
+        return []
+    grid = pose_grid(analysis.robot, _PROBES)
+    postures = postures_of(analysis, grid, detours=False)
+    missed = np.flatnonzero(~postures.reached & grid.inside)
+    if not missed.size:
+        return []
+    first = {name: values[missed[0]] for name, values in grid.values().items()}
+    place = ", ".join(f"{name} = {_in_engineers_unit(name, x)}" for name, x in first.items())
+    tried = _count(int(grid.inside.sum()), "posture")
+    return [f"workspace: of {tried} tried, {missed.size} not reached from home, such as {place}"]
+
+
+def _in_engineers_unit(name: str, value: float) -> str:
+    if name.startswith("r"):
+        return f"{np.degrees(value):.4g} deg"
+    return f"{1e3 * value:.6g} mm"
 
 
 def _warnings(analysis: Analysis, free: list[str], n_drives: int) -> list[str]:

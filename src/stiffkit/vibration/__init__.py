@@ -12,6 +12,7 @@ from stiffkit.vibration.drawing import (
 from stiffkit.vibration.fast import SPARE_MODES, FastModes
 from stiffkit.vibration.geometries import FastGeometries
 from stiffkit.vibration.modes import ModalModel, Modes
+from stiffkit.vibration.moving import Moving, Spine
 from stiffkit.vibration.own_axes import modes_in_own_axes
 from stiffkit.vibration.simplified import (
     platform_mass,
@@ -37,7 +38,9 @@ __all__ = [
     "ModeVectors",
     "Modes",
     "ModesDrawing",
+    "Moving",
     "Path",
+    "Spine",
     "describe_mode",
     "draw_modes",
     "make_bodies",

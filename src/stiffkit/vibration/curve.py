@@ -14,17 +14,27 @@ _POINTS = 25
 def bent_line(stations: Array, twists: Array, along: Array) -> tuple[Array, Array]:
     """Return points on a line, as shares (m,) of its length, and their displacements (n, m, 3).
 
-    The twists (s, 6, n) at stations (s,), m along the unit vector ``along`` (3,), are joined by
-    cubics that have the twists' slopes across the line, and straight along it.
+    See `bent_twists`.
     """
     shares = np.linspace(0.0, 1.0, _POINTS)
+    moved = bent_twists(stations, twists, along, shares)[:, :3]
+    return shares, moved.transpose(2, 0, 1)
+
+
+def bent_twists(stations: Array, twists: Array, along: Array, shares: Array) -> Array:
+    """Return the twists (m, 6, n) of a line's sections at ``shares`` (m,) of its length.
+
+    The twists (s, 6, n) at stations (s,), m along the unit vector ``along`` (3,), are joined by
+    cubics that have the twists' slopes across the line, and straight along it. Sections stay square
+    to the line, and turn about it evenly between stations. A rigid motion comes out as it is.
+    """
     at = shares * stations[-1]
     piece = np.clip(np.searchsorted(stations, at, side="right") - 1, 0, stations.size - 2)
     h = np.diff(stations)[piece]
     r = ((at - stations[piece]) / h)[:, None, None]
     h = h[:, None, None]
-    translation = twists[:, :3].transpose(0, 2, 1)
-    slope = np.cross(twists[:, 3:].transpose(0, 2, 1), along)
+    translation, rotation = np.split(twists.transpose(0, 2, 1), 2, axis=2)
+    slope = np.cross(rotation, along)
     a, b = translation[piece], translation[piece + 1]
     # A turn of the section tilts the line across; stretch is what the ends' difference says.
     stretch = ((b - a) @ along)[..., None] * along / h
@@ -35,7 +45,14 @@ def bent_line(stations: Array, twists: Array, along: Array) -> tuple[Array, Arra
         + h * (r - 2 * r**2 + r**3) * slope_a
         + h * (r**3 - r**2) * slope_b
     )
-    return shares, moved.transpose(1, 0, 2)
+    tilt = (
+        6 * (r**2 - r) * (a - b) / h
+        + (1 - 4 * r + 3 * r**2) * slope_a
+        + (3 * r**2 - 2 * r) * slope_b
+    )
+    spin = (rotation @ along)[..., None] * along
+    turned = np.cross(along, tilt) + (1 - r) * spin[piece] + r * spin[piece + 1]
+    return np.asarray(np.concatenate([moved, turned], axis=2).transpose(0, 2, 1))
 
 
 def outline(points: list[Array], tolerance: float) -> list[Array]:

@@ -6,21 +6,16 @@ axes.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stiffkit.compiled import BatchFunction, Constants, Kernel
-from stiffkit.kinematics import Located, SpanningTree
-from stiffkit.kinematics.locate import add_geometry
-from stiffkit.network import CoordinatesAtPosture
+from stiffkit.kinematics import Locator
 from stiffkit.robot import BASE, Freedom, Joint, Link
-from stiffkit.smallmat import Vector, vector
-from stiffkit.spatial import Frame
 from stiffkit.vibration.curve import bent_line, outline
 from stiffkit.vibration.modes import ModalModel, Modes
+from stiffkit.vibration.moving import SAME, Moving
 
 Array = NDArray[np.float64]
 
@@ -30,9 +25,6 @@ SHOWN = 0.1
 _IN_PLANE = 0.2
 """A mode that leaves a flat mechanism's plane by less than this share of its largest displacement
 is best seen in that plane."""
-
-_SAME = 1e-6
-"""Points nearer than this, over the robot's length, are one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,58 +114,19 @@ def draw_modes(model: ModalModel, q: Array, modes: Modes) -> ModesDrawing:
     return _scaled(links, joints, tool, pen.point(*pen.tool_end, tool))
 
 
-class _Places:
-    """Frames of bodies, joints and tool at one posture, world axes."""
-
-    def __init__(self, tree: SpanningTree, q: Array) -> None:
-        robot = tree.robot
-        constants = Constants()
-        add_geometry(constants, robot)
-        joints = list(robot.joints.values())
-
-        def frames(q: Vector, c: Vector) -> Vector:
-            located = Located(tree, constants, q, c)
-            placed = [located.body(name) for name in robot.links]
-            placed += [located.from_side(joint) for joint in joints]
-            placed += [located.to_side(joint) for joint in joints]
-            return vector(
-                x for frame in [*placed, located.tool] for x in (*frame.R.ravel(), *frame.p)
-            )
-
-        kernel = Kernel("places", frames, tree.n_coordinates, constants, tree.topology)
-        values = BatchFunction(kernel, "numpy")(q[:, None]).reshape(-1, 12)
-        found = [Frame(row[:9].reshape(3, 3), row[9:]) for row in values]
-        n, m = len(robot.links), len(joints)
-        self.body: Mapping[str, Frame] = dict(zip(robot.links, found[:n], strict=True))
-        self.from_side = dict(zip(robot.joints, found[n : n + m], strict=True))
-        self.to_side = dict(zip(robot.joints, found[n + m : n + 2 * m], strict=True))
-        self.tool = found[-1]
-
-
 class _Pen:
     """Draws lines of one posture, with displacements of modes as they come."""
 
     def __init__(self, model: ModalModel, q: Array, modes: Modes) -> None:
-        self.model = model
         self.robot = model.tree.robot
-        self.places = _Places(model.tree, q)
-        self.shapes = modes.shapes
+        self.places = Locator(model.tree).at(q)
+        self.moving = Moving(model, self.places, q, modes.shapes)
         self.tool_end = (self.robot.tool.body, self.robot.tool.port)
-        self._at: CoordinatesAtPosture = next(model.coordinates.at_each(q[:, None]))
+        self._tolerance = self.moving.tolerance
 
     def point(self, body: str, port: str, p: Array) -> Array:
         """Return the displacement (n_modes, 3) of a point (3,) that moves with a port."""
-        return self._twist(body, port, p)[:3].T
-
-    def _twist(self, body: str, port: str, p: Array) -> Array:
-        """Return the twist (6, n_modes), SI, at a point (3,) of a port's rigid cluster."""
-        if body == BASE:
-            return np.zeros((6, self.shapes.shape[1]))
-        cluster = self.model.coordinates.network.cluster_of(body, port)
-        twist = self._at.motion_of[cluster] @ self.shapes
-        arm = p - self.places.tool.position
-        translation = self.model.length * twist[:3] + np.cross(twist[3:].T, arm).T
-        return np.concatenate([translation, twist[3:]])
+        return self.moving.twist(body, port, p)[:3].T
 
     def link_paths(self, link: Link) -> list[Path]:
         """Return the lines of a link."""
@@ -191,11 +144,11 @@ class _Pen:
     def _joints_of(self, link: Link) -> list[tuple[str, Array]]:
         """Return port and place of each joint on a link."""
         found = []
-        for name, joint in self.robot.joints.items():
+        for joint in self.robot.joints.values():
             if joint.from_body == link.name:
-                found.append((joint.from_port, self.places.from_side[name].position))
+                found.append((joint.from_port, self.places.from_side(joint).position))
             if joint.to_body == link.name:
-                found.append((joint.to_port, self.places.to_side[name].position))
+                found.append((joint.to_port, self.places.to_side(joint).position))
         return found
 
     def _rigid_paths(self, link: Link, points: list[Array]) -> list[Path]:
@@ -219,40 +172,20 @@ class _Pen:
             for line in lines
         ]
 
-    @property
-    def _tolerance(self) -> float:
-        return _SAME * self.model.length
-
     def _spine(self, link: Link, port: str) -> list[Path]:
-        """Return the line from an elastic link's base to a port, bent by its static and own modes.
-
-        What is between the ports of a link with more than two is not known: their twists say all.
-        """
-        T_world_link = self.places.body[link.name]
-        base, tip = (T_world_link.point(link.ports[end].position) for end in (BASE, port))
-        length = float(np.linalg.norm(tip - base))
-        twist_base = self._twist(link.name, BASE, base)
-        twist_tip = self._twist(link.name, port, tip)
-        if length <= self._tolerance:
+        """Return the line from an elastic link's base to a port."""
+        spine = self.moving.spine(link, port)
+        if spine is None:
             # A link of no length shows how far its ends part.
-            return [Path(np.stack([base, tip]), np.stack([twist_base[:3].T, twist_tip[:3].T], 1))]
-        element = self.model.bodies.elastic.get(link.name)
-        if element is None or element.stations.size == 0:
-            stations, twists = np.array([0.0, length]), np.stack([twist_base, twist_tip])
-        else:
-            turn = np.kron(np.eye(2), T_world_link.rotation)
-            own = [i for i, name in enumerate(self._at.names) if name == f"{link.name}.mode"]
-            ports = [turn.T @ twist_base, turn.T @ twist_tip]
-            inside = element.shapes @ np.concatenate([*ports, self.shapes[own]])
-            stations = element.stations
-            twists = turn @ inside.reshape(stations.size, 6, -1)
-        along = (tip - base) / length
-        shares, moved = bent_line(stations, twists, along)
-        return [Path(base + shares[:, None] * (tip - base), moved)]
+            base = self.places.body[link.name].position
+            ends = [self.point(link.name, end, base) for end in (BASE, port)]
+            return [Path(np.stack([base, base]), np.stack(ends, axis=1))]
+        shares, moved = bent_line(spine.stations, spine.twists, spine.along)
+        return [Path(spine.base + shares[:, None] * (spine.tip - spine.base), moved)]
 
     def joint(self, joint: Joint) -> JointDrawing:
         """Return a joint, which is drawn where its ``to`` side is."""
-        near, far = self.places.from_side[joint.name], self.places.to_side[joint.name]
+        near, far = self.places.from_side(joint), self.places.to_side(joint)
         start, end = near.position, far.position
         on_start = self.point(joint.from_body, joint.from_port, start)
         on_end = self.point(joint.to_body, joint.to_port, end)
@@ -305,7 +238,7 @@ def _scaled(
             )
             for j in joints
         ),
-        tuple(outline(grounded, _SAME * size)) if len(grounded) > 2 else (),
+        tuple(outline(grounded, SAME * size)) if len(grounded) > 2 else (),
         tool,
         scale * tool_moved,
         np.linalg.norm(tool_moved, axis=1) / unit,

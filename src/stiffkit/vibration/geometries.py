@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiffkit.compiled import Backend, Constants, GeometriesFunction
+from stiffkit.errors import LinkError
 from stiffkit.kinematics import SpanningTree
 from stiffkit.network import build_network, elements_of
 from stiffkit.robot import Robot
@@ -47,6 +48,7 @@ class FastGeometries:
         self._backend = backend
         self._network = build_network(tree.robot)
         masses = self._masses(tree.robot)
+        self._kinds = _kinds(masses)
         self._kernel = ReducedKernel(tree, length, masses, self._basis(tree.robot, masses)).kernel()
         self._functions: dict[bytes, GeometriesFunction] = {}
 
@@ -64,10 +66,17 @@ class FastGeometries:
     def constants(self, robot: Robot, length: float, elasticity: Constants) -> Constants:
         """Return what the kernel reads of a geometry, whose `add_elasticity` is known.
 
-        Raises LinkError where a link's mass cannot be distributed.
+        Raises LinkError where a link's mass cannot be distributed, or is in another way than in
+        the geometry that the kernel was made of.
         """
         constants = elasticity.copy()
         masses = self._masses(robot)
+        if _kinds(masses) != self._kinds:
+            raise LinkError(
+                f"in {robot.name} with these values masses lie in another way: a link whose mass"
+                " was spread along it moves as a rigid body, or the other way round",
+                mend="let the masses and centres of mass of links follow the parameters",
+            )
         add_basis_and_masses(constants, robot, masses, self._basis(robot, masses), length)
         return constants
 
@@ -105,6 +114,12 @@ class FastGeometries:
         found[known] = _lowest(matrices)
         change[known] = _lowest(matrices[:, :fewer, :fewer]) / found[known] - 1.0
         return found.reshape(q.shape[1:]), change.reshape(q.shape[1:])
+
+
+def _kinds(masses: Bodies) -> tuple[tuple[str, ...], tuple[tuple[str, int], ...]]:
+    """Return which links are rigid, and which are elastic, with the size of their masses."""
+    elastic = tuple((name, element.mass.shape[0]) for name, element in masses.elastic.items())
+    return tuple(masses.rigid), elastic
 
 
 def _lowest(matrices: Array) -> Array:

@@ -126,9 +126,9 @@ def test_sizes_must_be_positive(value: float) -> None:
 
 
 def test_a_wall_that_does_not_fit() -> None:
-    with pytest.raises(LinkError, match=r"tube: a wall of 0\.02 m does not fit.*0\.02 m"):
+    with pytest.raises(LinkError, match=r"tube: a wall of 20 mm does not fit.*20 mm"):
         tube(0.04, 0.02)
-    with pytest.raises(LinkError, match=r"box: a wall of 0\.03 m does not fit.*0\.025 m"):
+    with pytest.raises(LinkError, match=r"box: a wall of 30 mm does not fit.*25 mm"):
         box(0.1, 0.05, 0.03)
 
 

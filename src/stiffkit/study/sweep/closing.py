@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stiffkit.compiled import over_blocks
 from stiffkit.errors import AssemblyError
 from stiffkit.kinematics import ClosureEquations, Kinematics, SpanningTree
 from stiffkit.kinematics.coordinates import joint_coordinates, rotation_vectors
@@ -23,7 +24,7 @@ from stiffkit.robot import DIRECTIONS
 from stiffkit.study.sweep.anchors import Anchors
 from stiffkit.study.sweep.family import Geometry
 from stiffkit.study.sweep.group import Group
-from stiffkit.study.sweep.reaching import Reaching
+from stiffkit.study.sweep.reaching import THOROUGH, Care, Reaching
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -62,8 +63,10 @@ class Closing:
         geometries: Sequence[Geometry],
         anchors: Anchors,
         near: NDArray[np.intp],
+        care: Care = THOROUGH,
     ) -> None:
         """Take G geometries, and which anchors (a, G) are the nearest of each, nearest first."""
+        self.care = care
         self.group = group
         self.family = group.family
         self.geometries = geometries
@@ -216,25 +219,32 @@ class Closing:
             reached[part] = found & inside[part]
         if (inside & ~reached).any():
             constants = self.constants[:, which]
-            reaching = Reaching(self.group, self.family.neighbours, constants, asked)
-            home_q, home_pose = self._home(which, homes)
+            reaching = Reaching(self.group, self.family.neighbours, constants, asked, self.care)
+            home_q, home_pose = self.home(which, homes)
             reaching.find(q, reached, inside, home_q, home_pose)
         q[:, ~reached] = np.nan
         return q, reached
 
     def _jump(self, which: NDArray[np.intp], asked: Array, homes: Homes) -> tuple[Array, Mask]:
-        shape, flat = asked.shape[1:], (-1, asked[0].size)
         at = self.nearest[which]
         start = self.anchors.q[:, at]
         start[:, ~homes.continued[which]] = np.nan
-        number = np.repeat(np.arange(which.size), self.family.n_postures)
-        q, found = jump(
-            self.group.step.at(self.constants[:, which], number),
-            start.reshape(flat),
-            asked.reshape(flat),
-            self.anchors.response[:, at].reshape(flat),
+        n, shape = len(start), asked.shape[1:]
+        q, poses, response = (
+            A.reshape(len(A), -1) for A in (start, asked, self.anchors.response[:, at])
         )
-        return q.reshape(-1, *shape), found.reshape(shape)
+        number = np.repeat(np.arange(which.size), self.family.n_postures)
+        constants, step = self.constants[:, which], self.group.step.compiled()
+        known = np.flatnonzero(np.isfinite(q).all(axis=0))
+        reached = np.zeros(number.size, dtype=bool)
+
+        def work(block: slice) -> None:
+            own = known[block]
+            own_step = step.at(constants, number[own])
+            q[:, own], reached[own] = jump(own_step, q[:, own], poses[:, own], response[:, own])
+
+        over_blocks(known.size, _TOGETHER, work)
+        return q.reshape(n, *shape), reached.reshape(shape)
 
     def asked(self, which: NDArray[np.intp], homes: Homes) -> Array:
         """Return the tool coordinates (m, G, P) that are asked for."""
@@ -249,7 +259,7 @@ class Closing:
                 rows.append(np.repeat(tool[:, None], P, axis=1))
         return np.array(rows).reshape(len(rows), which.size, P)
 
-    def _home(self, which: NDArray[np.intp], homes: Homes) -> tuple[Array, Array]:
+    def home(self, which: NDArray[np.intp], homes: Homes) -> tuple[Array, Array]:
         """Return unknowns (n, G) and tool coordinates asked for (m, G) at home."""
         n = self.group.tree.n_coordinates
         tool = homes.tool[:, which]

@@ -116,7 +116,13 @@ class Family:
         return self._made(tuple(values.tolist()))
 
     def _geometry(self, values: tuple[float, ...]) -> Geometry:
-        robot = self.file.robot(self._given(values))
+        return self.geometry_of(self.file.robot(self._given(values)))
+
+    def geometry_of(self, robot: Robot) -> Geometry:
+        """Return the geometry that a robot is, which is the family's but for its numbers.
+
+        Raises PoseError where its workspace has another shape.
+        """
         length = typical_length(robot)
         constants = Constants()
         add_elasticity(constants, robot, length)

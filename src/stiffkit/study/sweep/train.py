@@ -57,6 +57,8 @@ def train_basis(groups: Groups, anchors: Anchors) -> Basis:
         proves = k % 4 == 3
         solved = _solve(groups, anchors, k, _PROVED_AT if proves else _MADE_FROM)
         (proved if proves else made).extend(solved)
+    # What has its masses in another way than the first has other coordinates, and no part in this.
+    made, proved = (_alike(those, made[:1]) for those in (made, proved))
     if not proved and made:
         proved = _solve(groups, anchors, 0, _PROVED_AT, start=_MADE_FROM)
     if not made or not proved:
@@ -68,6 +70,12 @@ def train_basis(groups: Groups, anchors: Anchors) -> Basis:
         if basis.error <= TOLERANCE:
             return basis
     return _NONE
+
+
+def _alike(solved: list[_Solved], first: list[_Solved]) -> list[_Solved]:
+    """Return those with as many elastic coordinates as the first."""
+    sizes = {one.snapshots.shape[0] for one in first}
+    return [one for one in solved if one.snapshots.shape[0] in sizes]
 
 
 def _solve(groups: Groups, anchors: Anchors, k: int, count: int, start: int = 0) -> list[_Solved]:
