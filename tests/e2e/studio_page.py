@@ -101,7 +101,10 @@ class StudioPage:
 
     def __init__(self, browser: Browser, address: str) -> None:
         self.errors: list[str] = []
-        self.page: Page = browser.new_page(viewport={"width": 1280, "height": 720})
+        # Half as many pixels each way: without a graphics card every one of them takes its time.
+        self.page: Page = browser.new_page(
+            viewport={"width": 1280, "height": 720}, device_scale_factor=0.5
+        )
         self.page.set_default_timeout(PATIENCE_MS)
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))
         self.page.goto(address)
@@ -205,7 +208,8 @@ class StudioPage:
         tip = int(np.argmax(columns))
         box = self.page.locator("canvas").first.bounding_box()
         assert box is not None
-        x, y = box["x"] + float(columns[tip]) - 3.0, box["y"] + float(rows[tip])
+        pixel = box["width"] / seen.shape[1]
+        x, y = box["x"] + pixel * (float(columns[tip]) - 1.0), box["y"] + pixel * float(rows[tip])
         mouse = self.page.mouse
         mouse.move(x, y)
         mouse.down()

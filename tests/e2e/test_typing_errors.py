@@ -16,7 +16,7 @@ SLIPS = [
     ("chek biglide", "No such command 'chek'", "'check'"),
     ("check --jsn biglide", "No such option '--jsn'", "Try 'stiffkit check --help'"),
     ("pose biglide --jsn", "No such option '--jsn'", "'--json'"),
-    ("map biglide --pionts 9", "No such option '--pionts'", "Did you mean '--points'?"),
+    ("map biglide --pionts 9", "No such option '--pionts'", "Did you mean one of: '--points'"),
     ("check", "Missing argument 'ROBOT'", "Try 'stiffkit check --help'"),
     ("check biglide delta", "unexpected extra argument (delta)", "Try 'stiffkit check --help'"),
     ("check biglde", "biglde: there is no robot of this name", "did you mean 'biglide'"),

@@ -23,7 +23,12 @@ from stiffkit.report import (
     write_report,
     write_uncertainty_page,
 )
-from stiffkit.report.reproduction_page import PageRow, PageTable, write_reproduction_page
+from stiffkit.report.reproduction_page import (
+    PageRow,
+    PageTable,
+    PaperOnPage,
+    write_reproduction_page,
+)
 from stiffkit.robot import load_robot
 from stiffkit.study import analyse_modes
 
@@ -83,7 +88,8 @@ def make_reproduction(folder: Path, page: Path) -> None:
     figure.add_subplot().plot([0.0, 1.0], [0.0, 1.0])
     drawings = [path for path in style.save(figure, folder / "figure-3") if path.suffix == ".svg"]
     tables = [PageTable("What the text says", (STATEMENT,))]
-    write_reproduction_page("paper-2009", "A. Author, 2009", tables, drawings, page)
+    paper = PaperOnPage("Author 2009", "A. Author, a journal, 2009", tables, drawings)
+    write_reproduction_page([paper, paper], "stiffkit reproduce", page)
 
 
 KINDS = (

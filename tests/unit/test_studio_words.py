@@ -30,9 +30,11 @@ def test_a_compliance_has_a_unit_for_each_block() -> None:
 
 
 def test_numbers_beside_pinned_ones_tell_the_change() -> None:
-    assert numbers.compared([1.1e6, 1.0e6], Kind.STIFFNESS) == ["1.1 N/µm", "1 N/µm", "+10.0 %"]
-    assert numbers.compared([1.0, 0.0], Kind.STIFFNESS)[2] == "–"
-    assert numbers.compared([np.nan], Kind.FREQUENCY) == ["– Hz"]
+    told = numbers.row("weakest", [1.1e6, 1.0e6], Kind.STIFFNESS)
+    assert told == ("weakest (N/µm)", ["1.1", "1", "+10.0 %"])
+    assert numbers.row("weakest", [1.1e6], Kind.STIFFNESS) == ("weakest", ["1.1 N/µm"])
+    assert numbers.row("weakest", [1.0, 0.0], Kind.STIFFNESS)[1][2] == "–"
+    assert numbers.row("mode 1", [np.nan], Kind.FREQUENCY)[1] == ["– Hz"]
 
 
 def test_text_is_never_markup() -> None:

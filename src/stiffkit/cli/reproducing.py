@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from textwrap import fill
@@ -24,8 +24,11 @@ T = TypeVar("T")
 WIDTH = 98
 
 
+PAPERS = ("pashkevich-2009", "briot-2009")
+
+
 @click.command()
-@click.argument("paper", type=click.Choice(["pashkevich-2009", "briot-2009"]))
+@click.argument("paper", type=click.Choice(PAPERS), required=False)
 @click.option(
     "--full",
     is_flag=True,
@@ -33,66 +36,84 @@ WIDTH = 98
 )
 @output_option("Directory for reproduction.html and .json, and the figures, as SVG and PNG.")
 @json_option
-def reproduce(paper: str, full: bool, output: Path | None, as_json: bool) -> None:
+def reproduce(paper: str | None, full: bool, output: Path | None, as_json: bool) -> None:
     """Compute the tables and figures of a paper again, beside the printed numbers.
 
-    Of Pashkevich et al. 2009: Tables 2, 3, 5, 7 and 8, sections 3.5, 4 and 5, and figures 1 to 3.
-    The finite elements of sections 4 and 5 take a minute or two, and the extra 'fea'.
+    Without PAPER both, on one page. Of Pashkevich et al. 2009: Tables 2, 3, 5, 7 and 8, sections
+    3.5, 4 and 5, and figures 1 to 3. The finite elements of sections 4 and 5 take a minute or two,
+    and the extra 'fea'.
 
     Of Briot et al. 2009: what the text says of the machine and of longer legs, and figures 3, 5 to
     7, 10, 12 and 13.
 
-    Example:  stiffkit reproduce briot-2009 -o out/briot
+    Example:  stiffkit reproduce -o out/papers
     """
-    from stiffkit.cli.show import progress
+    from stiffkit.cli.show import heading, json_text, progress
 
+    papers = PAPERS if paper is None else (paper,)
+    done: dict[str, _Done[Any]] = {}
     with progress(sys.stderr.isatty()) as report:
-        done = _briot(report) if paper == "briot-2009" else _pashkevich(report, full=full)
-    done.tell(paper, output, as_json=as_json)
+        for name in papers:
+            if name == "briot-2009":
+                done[name] = _briot(report)
+            else:
+                done[name] = _pashkevich(report, full=full)
+    command = " ".join(["stiffkit reproduce", *([] if paper is None else [paper])])
+    written = [] if output is None else [_written(done, command, output)]
+    if as_json:
+        click.echo(json_text(_plain(done)))
+        return
+    for one in done.values():
+        if paper is None:
+            heading(one.name)
+        one.show(one.found)
+    for line in written:
+        click.echo(line)
 
 
 @dataclass(frozen=True)
 class _Done(Generic[T]):
-    """A reproduction, and how it is told."""
+    """The reproduction of a paper, and how it is told."""
 
     found: T
     show: Callable[[T], None]
     plain: Callable[[T], dict[str, Any]]
     """Plain data for JSON."""
-    write_figures: Callable[[T, Path], str]
-    """Writes them into a directory, and returns which these are, in words."""
+    write_figures: Callable[[T, Path, str], str]
+    """Writes them into a directory, under names that begin so, and returns which, in words."""
     tables: Callable[[T], Sequence[PageTable]]
     """What the page shows."""
+    name: str
+    """The paper's, for people."""
     source: str
 
-    def tell(self, paper: str, output: Path | None, *, as_json: bool) -> None:
-        """Write the files if there is a place for them, and print the rest."""
-        from stiffkit.cli.show import tell, write_json
 
-        def plain(found: T) -> dict[str, Any]:
-            return {"paper": paper, **self.plain(found)}
+def _plain(done: Mapping[str, _Done[Any]]) -> dict[str, Any]:
+    """Return plain data for JSON: that of the only paper, or of all."""
+    papers = [{"paper": name, **one.plain(one.found)} for name, one in done.items()]
+    return papers[0] if len(papers) == 1 else {"papers": papers}
 
-        written = []
-        if output is not None:
-            from stiffkit.report.reproduction_page import write_reproduction_page
-            from stiffkit.study import REPRODUCTION, whole_directory
 
-            with whole_directory(output, REPRODUCTION) as work:
-                write_json(work / "reproduction.json", plain(self.found))
-                figures = self.write_figures(self.found, work)
-                write_reproduction_page(
-                    paper,
-                    self.source,
-                    self.tables(self.found),
-                    sorted(work.glob("figure-*.svg"), key=_number),
-                    work / "reproduction.html",
-                )
-            written = [f"{figures}, reproduction.html and reproduction.json in {output}"]
-        tell(self.found, self.show, plain, as_json=as_json, written=written)
+def _written(done: Mapping[str, _Done[Any]], command: str, output: Path) -> str:
+    """Write page, JSON and figures, and return in words what was written."""
+    from stiffkit.cli.show import write_json
+    from stiffkit.report.reproduction_page import PaperOnPage, write_reproduction_page
+    from stiffkit.study import REPRODUCTION, whole_directory
+
+    with whole_directory(output, REPRODUCTION) as work:
+        write_json(work / "reproduction.json", _plain(done))
+        figures, pages = [], []
+        for name, one in done.items():
+            figures.append(one.write_figures(one.found, work, f"{name}-figure"))
+            drawings = sorted(work.glob(f"{name}-figure-*.svg"), key=_number)
+            pages.append(PaperOnPage(one.name, one.source, one.tables(one.found), drawings))
+        write_reproduction_page(pages, command, work / "reproduction.html")
+    shown = "; ".join(figures)
+    return f"{shown}, reproduction.html and reproduction.json in {output}"
 
 
 def _number(figure: Path) -> int:
-    return int(figure.stem.removeprefix("figure-"))
+    return int(figure.stem.rpartition("-")[2])
 
 
 def _pashkevich(progress: Progress, *, full: bool) -> _Done[Reproduction]:
@@ -105,6 +126,7 @@ def _pashkevich(progress: Progress, *, full: bool) -> _Done[Reproduction]:
         _content,
         _write_figures,
         lambda found: [entry_table(found.entries), *row_tables(found.orthoglide.rows)],
+        "Pashkevich et al. 2009",
         "A. Pashkevich, A. Klimchik, D. Chablat, P. Wenger, Accuracy improvement for stiffness"
         " modeling of parallel manipulators, 42nd CIRP Conference on Manufacturing Systems, 2009",
     )
@@ -121,6 +143,7 @@ def _briot(progress: Progress) -> _Done[Briot2009]:
         lambda found: found.as_json(),
         write_figures,
         lambda found: [statement_table(found.statements)],
+        "Briot et al. 2009",
         "S. Briot, A. Pashkevich, D. Chablat, On the optimal design of parallel robots taking into"
         " account their deformations and natural frequencies, ASME IDETC/CIE 2009",
     )
@@ -168,8 +191,8 @@ def _show_entry(entry: Entry) -> None:
         click.echo(fill(entry.why, WIDTH, initial_indent="  ", subsequent_indent="  "))
 
 
-def _write_figures(found: Reproduction, output: Path) -> str:
-    """Write the figures, and return which these are, in words."""
+def _write_figures(found: Reproduction, output: Path, stem: str) -> str:
+    """Write the figures as ``stem``-1 and so on, and return which these are, in words."""
     import numpy as np
 
     from stiffkit.plots import style
@@ -179,9 +202,9 @@ def _write_figures(found: Reproduction, output: Path) -> str:
 
     noise = found.noise
     expected = np.array([noise.translation_std] * 3 + [noise.rotation_std] * 3)
-    style.save(error_histograms(noise.errors, expected), output / "figure-1")
+    style.save(error_histograms(noise.errors, expected), output / f"{stem}-1")
     curves = (AMPLITUDES, noise.total, noise.linearisation, noise.rotation_std)
-    style.save(error_by_amplitude(*curves), output / "figure-2")
+    style.save(error_by_amplitude(*curves), output / f"{stem}-2")
     level = None if found.cantilever is None else found.cantilever.finest
     if level is None:
         return "Figures 1 and 2"
@@ -191,5 +214,5 @@ def _write_figures(found: Reproduction, output: Path) -> str:
         level.found.case_names,
         f"Residuals of the loaded end, {level.meshing.name} mesh",
     )
-    style.save(figure, output / "figure-3")
+    style.save(figure, output / f"{stem}-3")
     return "Figures 1 to 3"

@@ -40,13 +40,13 @@ def show_statements(statements: tuple[Statement, ...]) -> None:
     click.echo(", ".join(f"{count} {name}" for name, count in counts.items()))
 
 
-def write_figures(found: Briot2009, output: Path) -> str:
-    """Write figures 3, 5 to 7, 10, 12 and 13, and return which these are, in words."""
+def write_figures(found: Briot2009, output: Path, stem: str) -> str:
+    """Write figures 3, 5 to 7, 10, 12 and 13 as ``stem``-3 and so on; return which, in words."""
     from stiffkit.plots import style
     from stiffkit.plots.panels import panel_figure
 
     for number, (lines, heading) in _figures(found).items():
-        style.save(panel_figure(lines, heading), output / f"figure-{number}")
+        style.save(panel_figure(lines, heading), output / f"{stem}-{number}")
     return "Figures 3, 5, 6, 7, 10, 12 and 13"
 
 

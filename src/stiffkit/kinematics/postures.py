@@ -182,7 +182,8 @@ class Kinematics:
         everywhere = wanted is None or bool(wanted.all())
         poses = asked if everywhere else asked[:, wanted]
         tracker = self._tracker(poses.shape[1])
-        q, _ = tracker.spread(q_home[:, None], home, poses, span, detours=detours)
+        around = self._tracker if detours else None
+        q, _ = tracker.spread(q_home[:, None], home, poses, span, around)
         if not everywhere:
             found = q
             q = np.full((closure.n_unknowns, asked.shape[1]), np.nan)

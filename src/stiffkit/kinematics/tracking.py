@@ -50,6 +50,8 @@ _ANCHORS = 512
 _WAYPOINTS = 600
 _MOST_DIMENSIONS = 3
 """Number of tool coordinates up to which waypoints lie close enough together to be of use."""
+_PIECES = 4
+"""Pieces that the ways to them are cut into, roughly: many end at limits of reach."""
 _NEIGHBOURS = 6
 _LAYER = 3.0
 """Distance at which a pose has neighbours, over the typical distance between poses."""
@@ -165,18 +167,24 @@ class Tracker:
         return out[:n], np.sqrt(out[n]), np.sqrt(out[n + 1]), out[n + 2 :]
 
     def spread(
-        self, q_home: Array, home: Array, asked: Array, span: Array, *, detours: bool = True
+        self,
+        q_home: Array,
+        home: Array,
+        asked: Array,
+        span: Array,
+        detours: Callable[[int], Tracker] | None = None,
     ) -> tuple[Array, Mask]:
         """Reach many tool poses ``asked`` (m, N) from one known posture.
 
         Return the unknowns, NaN where a pose was not reached, and where it was. ``span`` (m,) makes
-        distances comparable. Without ``detours`` only ways between these poses are tried.
+        distances comparable. ``detours`` gives a tracker for so many poses, far more than may be
+        asked for; without it only ways between these poses are tried.
         """
         spread = _Spread(self, asked, span)
         spread.explore(q_home, home)
-        if detours and spread.missing.size and 0 < home.size <= _MOST_DIMENSIONS:
+        if detours is not None and spread.missing.size and 0 < home.size <= _MOST_DIMENSIONS:
             # Holes may bar all ways between the poses asked for, and leave others around them.
-            around = _Spread(self, _waypoints(home, asked, span), span)
+            around = _Spread(detours(_PIECES * _WAYPOINTS), _waypoints(home, asked, span), span)
             around.explore(q_home, home)
             spread.enter_from(around)
         return spread.q, spread.reached

@@ -34,30 +34,45 @@ class PageTable:
     rows: tuple[PageRow, ...]
 
 
-def write_reproduction_page(
-    paper: str, source: str, tables: Sequence[PageTable], figures: Sequence[Path], path: Path
-) -> None:
-    """Write what a paper prints beside ours, with ``figures`` (SVG), as one page.
+@dataclass(frozen=True)
+class PaperOnPage:
+    """A paper, and everything of it that was computed again."""
+
+    name: str
+    """Such as Briot et al. 2009."""
+    source: str
+    tables: Sequence[PageTable]
+    figures: Sequence[Path]
+    """SVG."""
+
+
+def write_reproduction_page(papers: Sequence[PaperOnPage], command: str, path: Path) -> None:
+    """Write what papers print beside ours as one page; ``command`` is what makes it again.
 
     Raises OutputError if a figure cannot be read or the page cannot be written.
     """
-    counts = Counter(row.verdict for table in tables for row in table.rows)
+    rows = [row for paper in papers for table in paper.tables for row in table.rows]
+    counts = Counter(row.verdict for row in rows)
     cards = "".join(card(verdict, str(count), "", "") for verdict, count in counts.most_common())
-    main = (
-        f'<section class="cards">{cards}</section>'
-        + "".join(_section(table) for table in tables)
-        + "".join(_section_of(drawing) for drawing in figures)
-    )
     text = page(
         "reproduction",
-        title=paper,
-        scope=f"{source}. The printed beside ours, computed again.",
+        title=" and ".join(paper.name for paper in papers),
+        scope="What is printed beside ours, computed again. Nothing but the printed numbers is"
+        " typed in.",
         version=__version__,
         styles=("reproduction.css",),
-        main=main,
-        made=[("made by", f"stiffkit reproduce {paper}"), ("stiffkit version", __version__)],
+        main=f'<section class="cards">{cards}</section>' + "".join(map(_paper, papers)),
+        made=[("made by", command), ("stiffkit version", __version__)],
     )
     write_text(text, path, "page")
+
+
+def _paper(paper: PaperOnPage) -> str:
+    return (
+        f"<section><h2>{escape(paper.name)}</h2><p>{escape(paper.source)}</p></section>"
+        + "".join(_section(table) for table in paper.tables)
+        + "".join(_section_of(drawing) for drawing in paper.figures)
+    )
 
 
 def _section(table: PageTable) -> str:
@@ -71,12 +86,12 @@ def _section(table: PageTable) -> str:
         for row in table.rows
     )
     return (
-        f"<section><h2>{escape(table.heading)}</h2>"
+        f"<section><h3>{escape(table.heading)}</h3>"
         f'<div class="scroll"><table class="reproduced"><thead><tr>{head}</tr></thead>'
         f"<tbody>{body}</tbody></table></div></section>"
     )
 
 
 def _section_of(drawing: Path) -> str:
-    name = drawing.stem.replace("-", " ").capitalize()
-    return f"<section><h2>{escape(name)}</h2>{figure(drawing)}</section>"
+    number = drawing.stem.rpartition("-")[2]
+    return f"<section><h3>Figure {escape(number)}</h3>{figure(drawing)}</section>"

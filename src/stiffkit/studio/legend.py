@@ -15,7 +15,7 @@ from stiffkit.studio.looks import LOOKS, NO_ANSWER, WORST, Colour, css
 
 Array = NDArray[np.float64]
 
-_WIDTH = 270
+_WIDTH = 265
 _BAR = 12
 _STOPS = 16
 _APART = 0.13

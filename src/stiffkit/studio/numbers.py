@@ -21,7 +21,7 @@ _BLOCKS = (("m/N", "rad/N"), ("rad/N", "rad/(N m)"))
 """Units of the blocks of a compliance; 1/N is a radian per newton."""
 
 STYLE = """<style>
-.sk{font:12px/1.45 system-ui,sans-serif;color:#222;padding:0 2px}
+.sk{font:12px/1.45 system-ui,sans-serif;color:#222;padding:0 14px 0 2px}
 .sk h4{margin:10px 0 3px;font-size:12px;font-weight:600}
 .sk table{border-collapse:collapse;width:100%;font-variant-numeric:tabular-nums}
 .sk th{font-weight:400;color:#555;text-align:left;padding:1px 4px 1px 0}
@@ -58,19 +58,29 @@ def table(rows: Iterable[tuple[str, Sequence[str]]], heads: Sequence[str] = ()) 
     return f"<table>{f'<tr><th></th>{head}</tr>' if heads else ''}{body}</table>"
 
 
-def compared(values: Sequence[float], kind: Kind) -> list[str]:
-    """Return SI values with their unit; of two, how the first differs from the second as well."""
+Row = tuple[str, list[str]]
+"""A name, and what stands beside it."""
+
+
+def row(name: str, values: Sequence[float], kind: Kind) -> Row:
+    """Return SI values as a row; of two, how the first differs from the second stands there too.
+
+    One value has its unit beside it; the unit of two is that of the row.
+    """
     unit = display_unit(kind, values)
-    texts = [unit.text(value) for value in values]
     if len(values) < 2:
-        return texts
+        return name, [unit.text(value) for value in values]
     now, before = values
     with np.errstate(all="ignore"):
         change = 100.0 * (now / before - 1.0) if before else np.nan
-    return [*texts, f"{change:+.1f} %" if np.isfinite(change) else "–"]
+    numbers = [format_value(value / unit.size) for value in values]
+    return unit.label(name), [
+        *numbers,
+        f"{change:+.1f} %".replace("-", "−") if np.isfinite(change) else "–",
+    ]
 
 
-def deflection_rows(results: Sequence[PoseResult], load: str) -> list[tuple[str, list[str]]]:
+def deflection_rows(results: Sequence[PoseResult], load: str) -> list[Row]:
     """Return the deflection under a load, of one pose or of two compared."""
     found = [_settled(r.deflections.get(load, np.full(6, np.nan))) for r in results]
     rows = [
@@ -80,7 +90,7 @@ def deflection_rows(results: Sequence[PoseResult], load: str) -> list[tuple[str,
     rows.insert(0, ("deflection", [float(np.linalg.norm(v[:3])) for v in found]))
     rows.insert(4, ("rotation", [float(np.linalg.norm(v[3:])) for v in found]))
     kinds = [Kind.DEFLECTION] * 4 + [Kind.ROTATION] * 4
-    return [(n, compared(v, kind)) for (n, v), kind in zip(rows, kinds, strict=True)]
+    return [row(name, values, kind) for (name, values), kind in zip(rows, kinds, strict=True)]
 
 
 def _settled(deflection: Array) -> Array:
@@ -91,7 +101,7 @@ def _settled(deflection: Array) -> Array:
     return np.where(np.isnan(deflection), np.nan, np.concatenate(parts))
 
 
-def stiffness_rows(results: Sequence[PoseResult]) -> list[tuple[str, list[str]]]:
+def stiffness_rows(results: Sequence[PoseResult]) -> list[Row]:
     """Return principal stiffnesses, weakest first, of one pose or of two compared."""
     rows = []
     for name, kind, of in (
@@ -100,7 +110,7 @@ def stiffness_rows(results: Sequence[PoseResult]) -> list[tuple[str, list[str]]]
     ):
         for i, which in enumerate(("weakest", "middle", "strongest")):
             values = [_sorted(axes)[i] for axes in of]
-            rows.append((f"{name}, {which}", compared(values, kind)))
+            rows.append(row(f"{name}, {which}", values, kind))
     return rows
 
 
@@ -108,13 +118,13 @@ def _sorted(axes: PrincipalAxes | None) -> Array:
     return np.full(3, np.nan) if axes is None else np.sort(axes.stiffness)
 
 
-def frequency_rows(all_hz: Sequence[Array]) -> list[tuple[str, list[str]]]:
+def frequency_rows(all_hz: Sequence[Array]) -> list[Row]:
     """Return natural frequencies, lowest first, of one pose or of two compared."""
     n = max((len(hz) for hz in all_hz), default=0)
     rows = []
     for i in range(n):
         values = [float(hz[i]) if i < len(hz) else np.nan for hz in all_hz]
-        rows.append((f"mode {i + 1}", compared(values, Kind.FREQUENCY)))
+        rows.append(row(f"mode {i + 1}", values, Kind.FREQUENCY))
     return rows
 
 

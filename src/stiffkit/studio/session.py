@@ -158,6 +158,10 @@ class Session:
             self._readout.say(f"an error of the studio itself: {error!r}", is_bad=True)
 
     def _show_variant(self, wish: Wish) -> None:
+        before = self._variant.values
+        moved = {n for n in {*wish.values, *before} if wish.values.get(n) != before.get(n)}
+        if any(self.machine.parameters[name].solves_parts for name in moved):
+            self._readout.say("solving parts from CAD anew, which takes its time ...")
         variant = self.machine.variant(wish.values)
         if variant is not self._variant:
             self._anatomy = anatomy_of(variant)
@@ -165,7 +169,7 @@ class Session:
 
     def _show_map(self, wish: Wish) -> None:
         if QUANTITIES[wish.quantity].source == "frequencies":
-            self._readout.say("computing natural frequencies over the workspace ...")
+            self._readout.say("natural frequencies over the workspace ...")
         held = self._held if wish.holds_scale else None
         try:
             shown = map_of(self._variant, wish, held)

@@ -37,7 +37,15 @@ MODES = Kind("study of modes", ("modes.html",), ("modes",))
 REPRODUCTION = Kind(
     "reproduction",
     ("reproduction.json",),
-    tuple(f"figure-{n}.{kind}" for n in (1, 2, 3) for kind in ("svg", "png")),
+    tuple(
+        f"{paper}-figure-{n}.{kind}"
+        for paper, numbers in (
+            ("pashkevich-2009", (1, 2, 3)),
+            ("briot-2009", (3, 5, 6, 7, 10, 12, 13)),
+        )
+        for n in numbers
+        for kind in ("svg", "png")
+    ),
 )
 
 VERIFICATION = Kind("verification", ("verify.json",), ())
