@@ -72,7 +72,9 @@ def run(target: Path) -> tuple[str, dict[str, Any], set[str]]:
 
 
 def figures(count: int) -> set[str]:
-    return {f"figure-{n}.{kind}" for n in range(1, count + 1) for kind in ("svg", "png")}
+    return {
+        f"pashkevich-2009-figure-{n}.{kind}" for n in range(1, count + 1) for kind in ("svg", "png")
+    }
 
 
 def test_the_command_without_finite_elements(

@@ -94,7 +94,8 @@ def test_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert all(s["why"] for s in content["statements"] if s["verdict"] != "agrees")
     assert len(content["family"]["alpha"]) == 8
     assert "15 agrees" in done.output
-    figures = {f"figure-{n}.{kind}" for n in (3, 5, 6, 7, 10, 12, 13) for kind in ("svg", "png")}
+    numbers = (3, 5, 6, 7, 10, 12, 13)
+    figures = {f"briot-2009-figure-{n}.{kind}" for n in numbers for kind in ("svg", "png")}
     names = {path.name for path in target.iterdir()}
     assert names == {"reproduction.json", "reproduction.html"} | figures
     page = (target / "reproduction.html").read_text("utf-8")

@@ -44,7 +44,7 @@ def shift(a: float) -> Array:
 def test_struck_springs_are_stiffer_and_the_more_elements_the_less(name: str) -> None:
     condensed = analyse_modes(load_robot(name), model="lumped").frequencies_hz
     errors = []
-    for n_elements in (3, 6, 12):
+    for n_elements in (4, 7, 12):
         struck = analyse_modes(load_robot(name), model="lumped-eq25", n_elements=n_elements)
         same = analyse_modes(load_robot(name), model="lumped", n_elements=n_elements)
         ratio = struck.frequencies_hz / same.frequencies_hz

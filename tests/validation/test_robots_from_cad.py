@@ -6,14 +6,18 @@ Each part is solved once here, in a cache of its own, so that nothing older is t
 from __future__ import annotations
 
 import os
+import re
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from stiffkit.link import Material, beam_compliance, box, round_bar
-from stiffkit.reproduce import study_over_constraint
+from stiffkit.reproduce import pashkevich_2009_orthoglide, study_over_constraint
 from stiffkit.reproduce.pashkevich_2009_orthoglide import PLACES, table_rows
 from stiffkit.robot import Robot, describe_robots, load_robot
+from stiffkit.robot.catalogue import find_robot
 from stiffkit.stiffness import full_matrices
 from stiffkit.study import Analysis, analyse_modes, analyse_pose
 from stiffkit.study.grid import pose_grid
@@ -33,13 +37,26 @@ def cache(tmp_path_factory: pytest.TempPathFactory) -> object:
 
 
 @pytest.fixture(scope="module")
-def orthoglide() -> Robot:
-    return load_robot("orthoglide-cad")
+def orthoglide(tmp_path_factory: pytest.TempPathFactory) -> Robot:
+    return load_coarser("orthoglide-cad", tmp_path_factory.mktemp("orthoglide"))
 
 
 @pytest.fixture(scope="module")
-def biglide() -> Robot:
-    return load_robot("biglide-cad")
+def biglide(tmp_path_factory: pytest.TempPathFactory) -> Robot:
+    return load_coarser("biglide-cad", tmp_path_factory.mktemp("biglide"))
+
+
+def load_coarser(name: str, folder: Path) -> Robot:
+    """Return a robot of the catalogue, its parts solved less finely: half the time is the last %.
+
+    What is asked of them here holds with the errors of the coarser meshes, too.
+    """
+    text = find_robot(name).read_text("utf-8")
+    coarser, count = re.subn(r"tolerance: \d %", "tolerance: 4 %", text)
+    assert count >= 2
+    path = folder / f"{name}.yaml"
+    path.write_text(coarser, encoding="utf-8")
+    return load_robot(path)
 
 
 def test_all_of_them_are_tested_here() -> None:
@@ -123,7 +140,13 @@ def test_without_over_constraints_it_is_softer(orthoglide: Robot) -> None:
 
 
 @pytest.mark.usefixtures("orthoglide")
-def test_our_parts_stand_beside_the_tables() -> None:
+def test_our_parts_stand_beside_the_tables(
+    orthoglide: Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def load(name: str, **options: Any) -> Robot:
+        return orthoglide if name == "orthoglide-cad" else load_robot(name, **options)
+
+    monkeypatch.setattr(pashkevich_2009_orthoglide, "load_robot", load)
     others = [one for one in table_rows() if one.is_other]
     assert [one.row for one in others] == [
         *(f"{part}, finite elements, parabolic mesh" for part in ("foot", "axle", "bar")),
