@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import io
 import threading
 from collections.abc import Mapping
 from pathlib import Path
@@ -14,7 +12,14 @@ from stiffkit.progress import Progress, no_progress
 from stiffkit.robot import load_robot
 from stiffkit.studio.machine import Machine
 from stiffkit.studio.saving import Saver
-from stiffkit.studio.server import DEFAULT_PORT, LOOPBACK, address_of, start_server, viser_library
+from stiffkit.studio.server import (
+    DEFAULT_PORT,
+    LOOPBACK,
+    address_of,
+    start_server,
+    stop_server,
+    viser_library,
+)
 from stiffkit.studio.session import Session
 
 if TYPE_CHECKING:
@@ -48,9 +53,7 @@ class Studio:
     def close(self) -> None:
         """End all threads and the server."""
         self._session.close()
-        # viser says good-bye on the terminal.
-        with contextlib.redirect_stdout(io.StringIO()):
-            self._server.stop()
+        stop_server(self._server)
 
 
 def open_studio(
@@ -89,7 +92,7 @@ def open_studio(
     try:
         return Studio(Session(machine, server, saver, values), server)
     except BaseException:
-        server.stop()
+        stop_server(server)
         raise
 
 

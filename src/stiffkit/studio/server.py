@@ -47,7 +47,7 @@ def start_server(host: str = LOOPBACK, port: int = DEFAULT_PORT) -> viser.ViserS
         server: viser.ViserServer = library.ViserServer(host=host, port=port, verbose=False)
     _close_ways_out(server)
     if not _refuses_others(server):
-        server.stop()
+        stop_server(server)
         raise StiffkitError(
             "the studio's server does not refuse requests from other pages",
             mend=f"install the version of viser that stiffkit was made for: "
@@ -61,6 +61,12 @@ def viser_library() -> ModuleType:
     with optional("viser", needed_for="the studio in the browser", extra="studio"):
         import viser
     return viser
+
+
+def stop_server(server: viser.ViserServer) -> None:
+    """End a server, which would say good-bye on the terminal."""
+    with contextlib.redirect_stdout(io.StringIO()):
+        server.stop()
 
 
 def address_of(server: viser.ViserServer) -> str:

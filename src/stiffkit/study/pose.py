@@ -213,7 +213,7 @@ def out_of_reach(analysis: Analysis, at: Mapping[str, float]) -> str:
 def not_reached(asked: Mapping[str, float]) -> str:
     """Return in words that the assembly mode does not reach tool coordinates (m, rad)."""
     coordinates = ", ".join(
-        f"{d} = {round(value, 12):.6g} {'rad' if d.startswith('r') else 'm'}"
+        f"{d} = {round(value, 12) + 0.0:.6g} {'rad' if d.startswith('r') else 'm'}"
         for d, value in asked.items()
     )
     return f"the assembly mode of the home posture does not reach {coordinates}"
