@@ -11,6 +11,7 @@ from stiffkit.plots import DisplayUnit, Kind, display_unit
 from stiffkit.studio.looks import BRAND
 from stiffkit.studio.machine import Machine, Slider
 from stiffkit.studio.numbers import page, paragraph
+from stiffkit.studio.sliders import dimension_of
 from stiffkit.studio.wish import ALL, EXTENTS, LOADED, REST, SLICE, Wish
 from stiffkit.study import QUANTITIES
 from stiffkit.units import LENGTH, STIFFNESS_ROTATION, STIFFNESS_TRANSLATION, parse_quantity
@@ -56,6 +57,7 @@ class Controls:
         self.actions = actions
         self._pose: dict[str, Any] = {}
         self._sliders: dict[str, Any] = {}
+        self._units = {name: _unit_of(own) for name, own in machine.parameters.items()}
         self.pose = dict(machine.home)
         self.gui.configure_theme(show_logo=False, show_share_button=False, brand_color=BRAND)
         self.gui.set_panel_label(f"stiffkit studio: {machine.robot.name}")
@@ -101,7 +103,7 @@ class Controls:
         """Put the sliders at values (SI) of parameters; others at the file's own."""
         for name, slider in self._sliders.items():
             own = self.machine.parameters[name]
-            slider.value = _shown(_unit_of(own), values.get(name, own.value))
+            slider.value = _shown(self._units[name], values.get(name, own.value))
 
     @property
     def name(self) -> str:
@@ -143,14 +145,14 @@ class Controls:
         slow = [own for own in self.machine.parameters.values() if not own.live]
         with self.gui.add_folder("Parameters"):
             for own in live:
-                unit = _unit_of(own)
+                unit = self._units[own.name]
                 low, high = _ends(own, unit)
                 slider = self.gui.add_slider(
                     unit.label(own.name), low, high, _shown(unit, own.step), _shown(unit, own.value)
                 )
                 self._keep_slider(own, slider)
             for own in slow:
-                unit = _unit_of(own)
+                unit = self._units[own.name]
                 field = self.gui.add_number(
                     unit.label(own.name),
                     _shown(unit, own.value),
@@ -174,7 +176,7 @@ class Controls:
         values = {}
         for name, slider in self._sliders.items():
             own = self.machine.parameters[name]
-            unit = _unit_of(own)
+            unit = self._units[name]
             if slider.value != _shown(unit, own.value):
                 values[name] = float(slider.value) * unit.size
         return values
@@ -290,7 +292,7 @@ def _unit_of(own: Slider) -> DisplayUnit:
     size = parse_quantity(f"1 {own.unit}").si if own.unit else 1.0
     if own.value == 0.0 or _HANDY[0] <= abs(own.value) / size < _HANDY[1]:
         return DisplayUnit(own.unit, size)
-    dims = parse_quantity(f"1 {own.unit}").dims if own.unit else None
+    dims = dimension_of(own.unit)
     kind = None if dims is None else _KINDS.get(dims)
     return DisplayUnit(own.unit, size) if kind is None else display_unit(kind, own.value)
 

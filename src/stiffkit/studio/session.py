@@ -212,16 +212,14 @@ class Session:
                 self._scene.show_rest(drawn.solids, drawn.rest)
 
     def _show_ellipsoids(self, wish: Wish, result: PoseResult, at: Array) -> None:
-        at_home = self._variant.at(self._variant.home).result(wish.model)
-        for name, axes, home, colour in (
-            ("translation", result.translation, at_home.translation, TRANSLATION),
-            ("rotation", result.rotation, at_home.rotation, ROTATION),
-        ):
+        for name, colour in (("translation", TRANSLATION), ("rotation", ROTATION)):
+            axes: PrincipalAxes | None = getattr(result, name)
             if axes is None or name not in wish.ellipsoids:
                 self._scene.hide(f"/ellipsoids/{name}")
                 continue
             # As long as at home if as stiff, so that it grows where the robot is stiffer.
-            reference = _strongest(home) or _strongest(axes) or 1.0
+            at_home = self._variant.at(self._variant.home).result(wish.model)
+            reference = _strongest(getattr(at_home, name)) or _strongest(axes) or 1.0
             drawn = ellipsoid(axes, reference, _HALF_AXES[name] * self._variant.size)
             self._scene.show_ellipsoid(name, drawn.mesh, at, colour)
 
